@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <string>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -21,6 +22,14 @@ std::uint64_t machine_memory() {
     std::ifstream group("/sys/fs/cgroup/memory.max"); // "max" if there is no limit
     if (std::uint64_t most = 0; group >> most) bytes = std::min(bytes, most);
     return bytes;
+}
+
+std::uint64_t largest_memory() {
+    // ru_maxrss of getrusage would count the process that started this one
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
+    return 0;
 }
 
 void limit_memory(std::uint64_t bytes, unsigned threads) {

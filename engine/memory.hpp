@@ -9,6 +9,9 @@ namespace bris {
 /// group (a container) if that is less.
 std::uint64_t machine_memory();
 
+/// Bytes of memory that this process has used at most; 0 if the system does not say.
+std::uint64_t largest_memory();
+
 /// Bytes of data that a process reserves before a scene exists, much of which it never touches, and
 /// bytes per thread.
 inline constexpr double bytes_of_process = 1.4e8, bytes_of_thread = 4e6;

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/memory.hpp"
 #include "engine/ranks.hpp"
 #include "engine/resume.hpp"
 
@@ -171,6 +172,7 @@ void Run::describe(Summary& summary) const {
     summary.add("stepping_time_s", count.wall_time);
     summary.add("time_per_step_s",
                 count.wall_time / static_cast<double>(std::max<std::uint64_t>(1, count.steps)));
+    summary.add("memory_largest_MiB", static_cast<double>(largest_memory()) * 0x1p-20);
     summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
 }
 

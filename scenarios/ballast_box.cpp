@@ -67,20 +67,13 @@ void add_fouling(Summary& summary, const World& world, const Common& common) {
 }
 
 /// Largest difference between what the ballast carries and the loads and weights of the ties, over
-/// the largest load: what their inertia takes. Small in a quasi-static run.
-double inertial_share(const World& world, const Series& samples) {
-    double weight = 0, most = 0, load = 0;
-    const auto& ties = world.resource<BoxBodies>().ties;
-    for (const EntityId tie : ties)
-        weight += 9.81 * world.column<Bodies, Mass>()[row_of_body(world, tie)];
-    const auto &first = samples.column("load_1"), &second = samples.column("load_2"),
-               &support = samples.column("tie_support");
-    for (std::size_t k = 0; k < first.size(); ++k) {
-        const double all = ties.size() == 1 ? first[k] : first[k] + second[k];
-        load = std::max(load, all);
-        most = std::max(most, std::abs(support[k] - all - weight));
-    }
-    return most / load;
+/// the largest of the latter: what their inertia takes. Small in a quasi-static run.
+double inertial_share(const Series& samples) {
+    const auto &load = samples.column("tie_load"), &support = samples.column("tie_support");
+    double most = 0;
+    for (std::size_t k = 0; k < load.size(); ++k)
+        most = std::max(most, std::abs(support[k] - load[k]));
+    return most / std::ranges::max(load);
 }
 
 void add_cycles(Summary& summary, const BallastBox& box, const std::vector<CycleResponse>& first,
@@ -139,50 +132,100 @@ void draw(const World& world, const BallastBox& box, const Series& samples,
         stiffness.x.push_back(static_cast<double>(n + 1));
         stiffness.y.push_back(1e-6 * stiffness_of(first[n].resilient, box));
     }
+    const auto unless_empty = [](Curve& curve) {
+        return curve.x.empty() ? std::vector<Curve>{} : std::vector<Curve>{std::move(curve)};
+    };
     std::vector<Plot> panels{{.title = "Load and deflection",
                               .x_label = "deflection of the tie (mm)",
                               .y_label = "load on the model's tie (kN)",
-                              .curves = {loop}},
+                              .curves = unless_empty(loop)},
                              {.title = "Settlement",
                               .x_label = "cycle",
                               .y_label = "settlement at the least load (mm)",
-                              .curves = {settlement},
+                              .curves = unless_empty(settlement),
                               .x_logarithmic = first.size() >= 20},
                              {.title = "Track stiffness",
                               .x_label = "cycle",
                               .y_label = "track stiffness (kN/mm)",
-                              .curves = {stiffness},
+                              .curves = unless_empty(stiffness),
                               .x_logarithmic = first.size() >= 20}};
     draw_plots(common.out / "ballast_box.png", panels);
     draw_box(world, common.out / "box.png",
              fmt::format("Ballast box, run {}, model {}. Red: sensor rocks.", box.run, box.model));
 }
 
-/// Writes the recordings of the sensor rocks and adds the levels of their accelerations.
+/// What the loading costs, and what 1 000 cycles would take at its speed.
+void add_cost(Summary& summary, const BoxTestRun& test, const StepCount& before,
+              const StepCount& after) {
+    const double step = (after.wall_time - before.wall_time) /
+                        static_cast<double>(std::max<std::uint64_t>(1, after.steps - before.steps));
+    const auto per_cycle = static_cast<double>(test.steps_per_cycle());
+    summary.add("loading_time_per_step_s", step);
+    summary.add("loading_steps_per_cycle", test.steps_per_cycle());
+    summary.add("thousand_cycles_at_this_speed_h", 1000 * per_cycle * step / 3600);
+}
+
+/// Levels of one recording, about the mean acceleration: `prefix` tells who recorded.
+void add_levels(Summary& summary, const Recording& r, const std::string& prefix,
+                const std::string& name) {
+    const auto count = static_cast<double>(r.size());
+    Vec3 mean = Vec3::Zero();
+    for (const Vec3& f : r.force) mean += f / count;
+    double squares = 0, peak = 0, turned = 0;
+    for (std::size_t k = 0; k < r.size(); ++k) {
+        squares += (r.force[k] - mean).squaredNorm() / count;
+        peak = std::max(peak, (r.force[k] - mean).norm());
+        turned += r.rate[k].squaredNorm() / count;
+    }
+    summary.add(prefix + "acceleration_rms_" + name + "_m_per_s2", std::sqrt(squares));
+    summary.add(prefix + "acceleration_peak_" + name + "_m_per_s2", peak);
+    summary.add(prefix + "rotation_rate_rms_" + name + "_rad_per_s", std::sqrt(turned));
+}
+
+/// Writes the recordings of the sensor rocks and adds their levels, those by a device without
+/// errors too.
 void write_sensors(Summary& summary, const World& world, const Common& common) {
     if (!world.has_resource<InertialRecorders>()) return;
-    const auto& sensors = world.resource<BoxBodies>().sensors;
-    const std::vector<Recording> recordings = recordings_of(world);
-    for (std::size_t number = 0; number < recordings.size(); ++number) {
-        const Recording& r = recordings[number];
-        Vec3 mean = Vec3::Zero();
-        for (const Vec3& f : r.force) mean += f / static_cast<double>(r.size());
-        double squares = 0, peak = 0, turned = 0;
-        for (std::size_t k = 0; k < r.size(); ++k) {
-            squares += (r.force[k] - mean).squaredNorm() / static_cast<double>(r.size());
-            peak = std::max(peak, (r.force[k] - mean).norm());
-            turned += r.rate[k].squaredNorm() / static_cast<double>(r.size());
-        }
-        const auto& s = *std::ranges::find(
-            sensors, world.resource<InertialRecorders>().list[number].body, &BoxSensor::body);
-        summary.add("acceleration_rms_" + s.name + "_m_per_s2", std::sqrt(squares));
-        summary.add("acceleration_peak_" + s.name + "_m_per_s2", peak);
-        summary.add("rotation_rate_rms_" + s.name + "_rad_per_s", std::sqrt(turned));
-        write_sensor_info(common.out / fmt::format("rock_{:02}.txt", number + 1), r.info);
+    const std::vector<Recording> recordings = recordings_of(world),
+                                 exact = recordings_of(world, &InertialRecorder::exact);
+    for (std::size_t k = 0; k < recordings.size(); ++k) {
+        const auto& s =
+            *std::ranges::find(world.resource<BoxBodies>().sensors,
+                               world.resource<InertialRecorders>().list[k].body, &BoxSensor::body);
+        add_levels(summary, recordings[k], "", s.name);
+        add_levels(summary, exact[k], "exact_", s.name);
+        write_sensor_info(common.out / fmt::format("rock_{:02}.txt", k + 1), recordings[k].info);
     }
     write_recordings(common.out / "recordings.csv", recordings,
                      {"Recorded by the sensor rocks of a ballast box; the pose in rock_NN.txt is "
                       "that at the end of the run"});
+}
+
+/// The finished bed serves every run of table 1.
+Phase save_bed(const Run& run) {
+    return {.advance =
+                [&run](Simulation&) {
+                    run.save_as("bed");
+                    return false;
+                },
+            .progress =
+                [](const World&) {
+                    return PhaseProgress{"save the bed", 1, ""};
+                }};
+}
+
+/// Settings that may differ from those of the checkpoint: of a bed all that act after it was made.
+std::vector<std::string_view> may_differ_from(const std::filesystem::path& checkpoint,
+                                              const Common& common) {
+    std::vector<std::string_view> keys{"cycles"};
+    if (checkpoint.filename() != "bed.ckpt.h5") return keys;
+    keys.insert(keys.end(), {"run", "frequency_Hz", "peak_load_N", "least_load", "steps_per_cycle",
+                             "saturation", "rail_bending_N_m2", "tie_support_N_per_m",
+                             "tie_level_m", "series_compliance_m_per_N", "box_ties", "rest",
+                             "step_fraction", "imu", "sampling_rate_Hz"});
+    for (const NamedValue& setting : common.settings)
+        if (setting.key.starts_with("fouling_")) keys.push_back(setting.key);
+    return keys;
 }
 
 void run(const BallastBox& box, const Common& common) {
@@ -194,10 +237,18 @@ void run(const BallastBox& box, const Common& common) {
     Run run(simulation, common, "ballast_box");
     run.keep(samples);
     run.keep(last);
-    resume_box(run, simulation, box, common, {"cycles"});
+    resume_box(run, simulation, box, common, may_differ_from(common.resume, common));
     FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings, box.written.extras());
-    std::vector<Phase> phases = test.preparation();
-    phases.push_back(test.loading(run, samples, [&] { frames.add(world); }));
+    std::vector<Phase> phases = test.making_of_bed();
+    phases.push_back(save_bed(run));
+    for (Phase& phase : test.seating()) phases.push_back(std::move(phase));
+    StepCount before_loading; // of this process
+    Phase loading = test.loading(run, samples, [&] { frames.add(world); });
+    loading.begin = [&, begin = loading.begin](Simulation& s) {
+        before_loading = s.count();
+        begin(s);
+    };
+    phases.push_back(std::move(loading));
     run.go(phases);
     const auto first = cycle_responses(samples, 1), other = cycle_responses(samples, 2);
     draw(world, box, samples, first, common);
@@ -217,7 +268,8 @@ void run(const BallastBox& box, const Common& common) {
     add_bed(summary, world);
     if (world.has_resource<Fouling>()) add_fouling(summary, world, common);
     add_cycles(summary, box, first, other);
-    summary.add("inertial_share_of_load", inertial_share(world, samples));
+    add_cost(summary, test, before_loading, simulation.count());
+    summary.add("inertial_share_of_load", inertial_share(samples));
     const auto &pressure = samples.column("bladder_pressure"),
                &moved = samples.column("bladder_displacement");
     summary.add("bladder_pressure_largest_kPa", 1e-3 * std::ranges::max(pressure));

@@ -12,6 +12,15 @@ constexpr double g = 9.80665, degree = pi / 180;
 
 } // namespace
 
+ImuModel without_errors(const ImuModel& model) {
+    ImuModel exact = imu_preset("ideal");
+    exact.rate = model.rate;
+    exact.bandwidth = model.bandwidth;
+    exact.arm = model.arm;
+    exact.mounting = model.mounting;
+    return exact;
+}
+
 ImuModel imu_preset(std::string_view name) {
     if (name == "ideal") return {};
     if (name == "lab-grade")

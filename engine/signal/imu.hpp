@@ -38,6 +38,9 @@ ImuModel imu_preset(std::string_view name);
 inline constexpr std::array<std::string_view, 4> imu_presets{"ideal", "lab-grade", "smartrock-like",
                                                              "cheap"};
 
+/// The same device without errors: with the rate, low pass, place and axes only.
+ImuModel without_errors(const ImuModel& model);
+
 struct ImuSample {
     double time = 0; ///< s, on the sensor's own clock
     std::uint64_t sequence = 0;

@@ -22,7 +22,6 @@ namespace bris {
 namespace {
 
 constexpr double first_contact_fraction = 0.7; // of the stable step of a first contact
-constexpr double making_fraction = 0.7;        // of the stable step, while the bed is made
 constexpr double making_restitution = 0.1;     // upper limit, so that rocks come to rest soon
 
 } // namespace
@@ -52,12 +51,15 @@ std::vector<std::vector<double>> tie_shares(const BallastBox& box) {
     constexpr double bay = tie_spacing;
     if (!box.is_dynamic()) return {{1.0, 0.0}};
     std::vector<double> at;
-    for (unsigned k = 0; k < box.box_ties; ++k) at.push_back(bay * k);
-    const std::size_t first = box.box_ties == 4 ? 1 : 0; // the model's ties are the middle ones
-    std::vector<std::vector<double>> shares(2, std::vector<double>(2));
+    for (unsigned k = 0; k < (box.is_full() ? 4 : box.box_ties); ++k) at.push_back(bay * k);
+    const BoxSizes sizes = box_sizes(box);
+    const std::size_t ties = sizes.ties.size(),
+                      first = (at.size() - ties) / 2; // the model's ties are the middle ones
+    std::vector<std::vector<double>> shares(ties, std::vector<double>(2));
     for (std::size_t actuator = 0; actuator < 2; ++actuator) {
-        const auto r = rail_reactions(at, box.tie_support, box.rail_bending, at[first + actuator]);
-        for (std::size_t tie = 0; tie < 2; ++tie) shares[tie][actuator] = r[first + tie];
+        const auto r = rail_reactions(at, box.tie_support, box.rail_bending,
+                                      at[first + sizes.loaded[actuator]]);
+        for (std::size_t tie = 0; tie < ties; ++tie) shares[tie][actuator] = r[first + tie];
     }
     return shares;
 }
@@ -69,6 +71,7 @@ BoxTestRun::BoxTestRun(Simulation& simulation, const BallastBox& box, std::uint6
     if (world.resource<Clock>().dt == 0) {
         world.resource<Clock>().dt = hard_step_ / std::sqrt(box_.fill_softness);
         set_materials(world, making(box_.fill_softness));
+        remove_later_courses(world);
     }
 }
 
@@ -88,16 +91,32 @@ std::array<double, 2> BoxTestRun::tie_load(std::size_t tie) const {
             sizes_.share * amplitude * (shares[tie][1] - shares[tie][0])};
 }
 
-std::vector<Phase> BoxTestRun::preparation() {
+std::vector<Phase> BoxTestRun::making_of_bed() const {
     std::vector<Phase> phases;
     for (std::size_t course = 0; course < courses.size(); ++course) {
         phases.push_back(pour(course));
         if (courses[course].compacted) phases.push_back(compact(course));
     }
     phases.push_back(harden());
-    phases.push_back(seat());
+    return phases;
+}
+
+std::vector<Phase> BoxTestRun::seating() const {
+    std::vector<Phase> phases{seat()};
     if (!box_test(box_.run).confined) phases.push_back(remove_shoulder());
     return phases;
+}
+
+std::vector<Phase> BoxTestRun::preparation() const {
+    std::vector<Phase> phases = making_of_bed();
+    for (Phase& phase : seating()) phases.push_back(std::move(phase));
+    return phases;
+}
+
+std::uint64_t BoxTestRun::loading_steps() const {
+    constexpr std::uint64_t some_steps = 200; // of the model `full`
+    const unsigned cycles = box_.load_cycles();
+    return cycles > 0 ? steps_per_cycle() * cycles : some_steps;
 }
 
 std::uint64_t BoxTestRun::steps_per_cycle() const {
@@ -118,8 +137,8 @@ void BoxTestRun::note_bed(World& world) const {
     const auto& ties = world.resource<BoxBodies>().ties;
     auto& state = world.resource<BoxState>();
     state.bed_porosity = porosity_between(world, 0, state.surface.back());
-    state.tie_1 = value_of<Position>(world, ties.front()).z();
-    state.tie_2 = value_of<Position>(world, ties.back()).z();
+    state.tie_1 = value_of<Position>(world, ties[sizes_.loaded[0]]).z();
+    state.tie_2 = value_of<Position>(world, ties[sizes_.loaded[1]]).z();
     state.bladder = value_of<Position>(world, world.resource<BoxBodies>().bladder).y();
 }
 
@@ -161,7 +180,7 @@ void BoxTestRun::add_sample(const World& world, Series& cycles) const {
         const auto number = world.column<Bodies, LoadOf>()[row_of_body(world, bodies.ties[k])];
         return loads[number - 1].front().history.at(world.resource<Clock>().time());
     };
-    const std::size_t second = bodies.ties.size() - 1;
+    const auto [first, second] = sizes_.loaded;
     const double on_bladder = contact_force(world, bodies.bladder).y();
     double subgrade = 0, subgrade_energy = 0;
     for (const EntityId plate : bodies.subgrade) {
@@ -172,10 +191,10 @@ void BoxTestRun::add_sample(const World& world, Series& cycles) const {
     const auto& state = world.resource<BoxState>();
     const BoxBalance balance = box_balance(world);
     cycles.add({now / (static_cast<double>(steps_per_cycle()) * world.resource<Clock>().dt), now,
-                load(0), load(second), state.tie_1 - position(bodies.ties[0]).z(),
+                load(first), load(second), state.tie_1 - position(bodies.ties[first]).z(),
                 state.tie_2 - position(bodies.ties[second]).z(),
                 on_bladder / (sizes_.width * sizes_.bladder_height),
-                position(bodies.bladder).y() - state.bladder, -subgrade - 0.025,
+                position(bodies.bladder).y() - state.bladder, -subgrade - 0.025, balance.tie_load,
                 balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio,
                 subgrade_energy, q.elastic_energy - q.ground_energy});
 }
@@ -189,14 +208,12 @@ Phase BoxTestRun::loading(const Run& run, Series& cycles, const std::function<vo
                     // equal parts of a cycle that end with it
                     const std::uint64_t k = done * samples / per_cycle + 1,
                                         next = (k * per_cycle + samples - 1) / samples;
-                    s.advance(std::max<std::uint64_t>(next, done + 1) - done);
+                    s.advance(std::min(std::max<std::uint64_t>(next, done + 1), total) - done);
                     (void)checked_stable_step(s.world());
                     add_sample(s.world(), cycles);
                     const std::uint64_t now = run.steps_in_phase();
-                    if (now % per_cycle == 0) {
-                        if (!box_.is_dynamic()) raise_masses(s.world());
-                        frame();
-                    }
+                    if (now % per_cycle == 0 && !box_.is_dynamic()) raise_masses(s.world());
+                    if (now % per_cycle == 0 || now == total) frame();
                     return now < total;
                 },
             .progress =

@@ -18,11 +18,14 @@ class BoxTestRun {
 public:
     BoxTestRun(Simulation& simulation, const BallastBox& box, std::uint64_t seed);
 
-    std::vector<Phase> preparation();
+    /// The bed is made in the same way for all runs of table 1.
+    std::vector<Phase> making_of_bed() const;
+    std::vector<Phase> seating() const;
+    std::vector<Phase> preparation() const; ///< both
     /// Steps of the load cycles, and of one of them. The dynamic model needs the time step, which
     /// is chosen when the ties are seated, so that it is known in the last phase only.
     std::uint64_t steps_per_cycle() const;
-    std::uint64_t loading_steps() const { return steps_per_cycle() * box_.load_cycles(); }
+    std::uint64_t loading_steps() const;
     /// Starts the load cycles.
     void begin_loading(Simulation& simulation) const;
     /// Notes porosity and heights of the bed, from which deflections are measured.
@@ -41,6 +44,8 @@ private:
     Phase seat() const;
     Phase remove_shoulder() const;
 
+    /// Ends the scaling of masses with which the bed is made.
+    void take_true_masses(World& world) const;
     static EntityId plate_of(const World& world, std::size_t lift);
     double plate_force(std::size_t lift) const; ///< N, mean
     void begin_compaction(World& world, std::size_t lift) const;
@@ -88,6 +93,8 @@ inline constexpr double scaling_safety = 0.5;
 /// Time (s) since the beginning that was noted last.
 double since(const World& world);
 void note_beginning(World& world);
+/// Time step over the stable step while the bed is made.
+inline constexpr double making_fraction = 0.7;
 /// Follows the stable step of the contacts, which must be known, up to `longest` (s).
 void adapt_step(World& world, double longest);
 /// Raises scaled masses where contacts need it for the present time step.

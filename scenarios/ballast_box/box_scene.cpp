@@ -42,16 +42,16 @@ void add_guides(World& world, EntityId body, bool along_y, bool about_y) {
 void add_subgrade(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
                   std::uint32_t material) {
     constexpr double thickness = 0.05, moving_depth = 0.15, soil_density = 1900, margin = 0.1;
-    const auto along_y = static_cast<int>(std::ceil(s.half_length / 0.3)),
+    const auto along_y = static_cast<int>(std::ceil(s.across / 0.3)),
                along_x = std::max(1, static_cast<int>(std::round(s.width / 0.3)));
-    const double lx = s.width / along_x, ly = s.half_length / along_y;
+    const double lx = s.width / along_x, ly = s.across / along_y;
     for (int i = 0; i < along_x; ++i)
         for (int j = 0; j < along_y; ++j) {
             // the outer plates reach under the sides, so that no rock falls between
             const double x0 = i == 0 ? -margin : i * lx,
                          x1 = i + 1 == along_x ? s.width + margin : (i + 1) * lx,
                          y0 = j == 0 ? -margin : j * ly,
-                         y1 = j + 1 == along_y ? s.half_length + margin : (j + 1) * ly;
+                         y1 = j + 1 == along_y ? s.across + margin : (j + 1) * ly;
             const double mass = soil_density * lx * ly * moving_depth,
                          stiffness = box.subgrade_modulus * lx * ly / 4,
                          damping = box.subgrade_damping * std::sqrt(stiffness * mass);
@@ -103,15 +103,15 @@ void add_bladder(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
 }
 
 void add_tie_bodies(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_t material) {
-    const double volume = tie_width * s.tie.y() * s.tie.z();
+    const double mass = concrete_density * (tie_width * tie_length * tie_height) * s.share;
     for (const double x : s.ties) {
-        const Vec3 centre(x, s.tie.y() / 2, parked);
-        const EntityId tie = add_block(world, centre, Quat(Quat::Identity()), s.tie,
-                                       concrete_density * volume * 2 * s.share, material);
+        const Vec3 centre(x, s.tie_centre(), parked);
+        const EntityId tie =
+            add_block(world, centre, Quat(Quat::Identity()), s.tie, mass, material);
         add_guides(world, tie, true, s.ties.size() == 1);
         add_load(world, tie,
                  {.force = Vec3(0, 0, -1),
-                  .point = Vec3(0, s.rail_seat - s.tie.y() / 2, s.tie.z() / 2),
+                  .point = Vec3(0, s.load_place() - s.tie_centre(), s.tie.z() / 2),
                   .history = {.mean = 0}});
         bodies.ties.push_back(tie);
     }
@@ -121,7 +121,7 @@ void add_tie_bodies(World& world, const BoxSizes& s, BoxBodies& bodies, std::uin
 void add_plates(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_t material) {
     constexpr double mass_of_area = 150; // kg/m2
     for (const bool first : {true, false}) {
-        const Vec3 size(s.width + 0.2, (first ? s.half_length : s.bladder_face()) - 0.02,
+        const Vec3 size(s.width + 0.2, (first ? s.across : s.bladder_face()) - 0.02,
                         plate_thickness);
         EntityId& plate = bodies.plates[first ? 0 : 1];
         plate =
@@ -134,11 +134,17 @@ void add_plates(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_
 
 /// Area (m2) of a course: the bladder stands on the first one.
 double area_of(const BoxSizes& s, std::size_t course) {
-    return s.width * (course == 0 ? s.half_length : s.bladder_face());
+    return s.width * (course == 0 ? s.across : s.bladder_face());
 }
 
-void add_rocks(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
-               const std::vector<Clump>& clumps, std::uint64_t seed) {
+Clump rock_of(const BoxBodies& bodies, const PlannedRock& planned) {
+    const Clump& shape = bodies.shapes[planned.shape];
+    return scaled(shape, planned.sieve / shape.sieve);
+}
+
+/// Rocks of all courses, whose ids begin with `first`.
+void plan_rocks(const BallastBox& box, const BoxSizes& s, BoxBodies& bodies, EntityId first,
+                std::uint64_t seed) {
     const Grading grading = grading_named(box.grading);
     std::array<double, courses.size()> wanted{};
     double total = 0;
@@ -148,33 +154,27 @@ void add_rocks(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies
     std::size_t count = 1000;
     RockSample sample;
     for (int tries = 0; tries < 4; ++tries) { // the mean volume hardly depends on the number
-        sample = sample_rocks(grading, clumps, count, seed, box.smallest_rock);
+        sample = sample_rocks(grading, bodies.shapes, count, seed, box.smallest_rock);
         count = static_cast<std::size_t>(std::max(
             8.0, std::round(static_cast<double>(count) * total / (cubed * sample.solid_volume))));
     }
     bodies.truncated_fraction = sample.truncated_fraction;
     std::size_t course = 0;
     double filled = 0;
-    for (std::size_t k = 0; k < sample.rocks.size(); ++k) {
-        const auto& [index, sieve] = sample.rocks[k];
-        const Clump rock = scaled(clumps[index], box.scale() * sieve / clumps[index].sieve);
+    for (const auto& [shape, sieve] : sample.rocks) {
+        const PlannedRock planned{shape, box.scale() * sieve};
+        const Clump rock = rock_of(bodies, planned);
         const double least_width = 2.1 * rock.bounding_radius;
         require(least_width < s.width,
                 fmt::format("--width: expected more than {:.3f} m, 1.05 times the largest rock, "
                             "found {:g} m (--rock-scale {:g})",
                             least_width, s.width, box.scale()));
-        const Quat turned = Random(seed, 7000 + k).rotation();
-        const Vec3 waiting(0.2 * static_cast<double>(k % 40),
-                           0.2 * static_cast<double>(k / 40 % 40),
-                           parked + 3 + 0.2 * static_cast<double>(k / 1600));
-        const EntityId id =
-            add_clump(world, rock, static_cast<std::uint32_t>(index), waiting, turned, bodies.rock);
-        value_of<MotionOf>(world, id) = static_cast<std::uint32_t>(Motion::fixed);
         if (filled >= wanted[course] && course + 1 < courses.size()) {
             ++course;
             filled = 0;
         }
-        bodies.rocks[course].push_back(id);
+        bodies.rocks[course].push_back(first++);
+        bodies.planned[course].push_back(planned);
         filled += rock.volume;
         bodies.solid_volume += rock.volume;
     }
@@ -190,10 +190,11 @@ void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
         double x, y;
     };
     const auto shapes = sensor_shapes_named(box.sensor_shape, library, "--sensor-shape");
-    const double tie = s.ties.front();
-    std::vector<Site> sites{
-        {"rail_seat", tie, s.rail_seat}, {"middle", tie, 0.06}, {"end", tie, s.tie.y() - 0.03}};
-    if (s.ties.size() > 1) sites.push_back({"between", s.width / 2, s.rail_seat});
+    const double tie = s.ties[s.loaded[0]], seat = s.middle + s.rail_seat;
+    std::vector<Site> sites{{"rail_seat", tie, seat},
+                            {"middle", tie, s.middle > 0 ? s.middle : 0.06},
+                            {"end", tie, s.tie_end() - 0.03}};
+    if (s.ties.size() > 1) sites.push_back({"between", s.width / 2, seat});
     for (const Site& site : sites)
         for (const std::size_t course : {std::size_t{0}, std::size_t{2}}) {
             const Clump& shape = shapes[bodies.sensors.size() / 2 % shapes.size()];
@@ -219,7 +220,7 @@ void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
 
 World make_box_world(const BallastBox& box, std::uint64_t seed) {
     const BoxSizes s = box_sizes(box);
-    const std::vector<Clump> library = clumps_of(box.clumps), clumps = rocks_among(library);
+    const std::vector<Clump> library = clumps_of(box.clumps);
     World world = make_world(Grains::clumps);
     BoxBodies bodies;
     auto& materials = world.resource<Materials>();
@@ -239,30 +240,57 @@ World make_box_world(const BallastBox& box, std::uint64_t seed) {
     bodies.hard = materials.list;
 
     add_subgrade(world, box, s, bodies, hard);
-    const EntityId sides = add_boundary(world, Vec3::Zero(), mirror);
+    const EntityId sides = add_boundary(world, Vec3::Zero(), box.is_full() ? hard : mirror);
     add_plane(world, sides, Vec3::Zero(), Vec3::UnitX());
     add_plane(world, sides, Vec3(s.width, 0, 0), -Vec3::UnitX());
     add_plane(world, sides, Vec3::Zero(), Vec3::UnitY());
-    const EntityId wall = add_boundary(world, Vec3(0, s.half_length, 0), hard);
+    const EntityId wall = add_boundary(world, Vec3(0, s.across, 0), hard);
     add_plane(world, wall, Vec3::Zero(), -Vec3::UnitY());
     add_bladder(world, box, s, bodies, hard);
     add_plates(world, s, bodies, hard);
     add_tie_bodies(world, s, bodies, hard);
     add_sensors(world, box, s, bodies, library, seed);
-    add_rocks(world, box, s, bodies, clumps, seed);
+    bodies.shapes = rocks_among(library);
+    plan_rocks(box, s, bodies, static_cast<EntityId>(world.table<Bodies>().size()), seed);
     value_of<Position>(world, bodies.bladder).z() += parked + 2;
-    for (const EntityId body : {bodies.plates[0], bodies.plates[1], bodies.bladder,
-                                bodies.ties.front(), bodies.ties.back()})
+    std::vector<EntityId> waiting = bodies.ties;
+    waiting.insert(waiting.end(), {bodies.plates[0], bodies.plates[1], bodies.bladder});
+    for (const EntityId body : waiting)
         value_of<MotionOf>(world, body) = static_cast<std::uint32_t>(Motion::fixed);
 
     auto& limits = world.resource<Limits>();
     limits.overlap = 0.5; // rocks are soft while the bed is made
     limits.low = Vec3(-1.5, -1.5, -0.3);
-    limits.high = Vec3(s.width + 1.5, s.half_length + 1.5, 12);
+    limits.high = Vec3(s.width + 1.5, s.across + 1.5, 12);
     world.add_resource<Gravity>();
     world.add_resource(std::move(bodies));
     world.add_resource<BoxState>();
+    for (std::size_t course = 0; course < courses.size(); ++course) add_course(world, course, seed);
     return world;
+}
+
+void add_course(World& world, std::size_t course, std::uint64_t seed) {
+    constexpr std::size_t side = 60; // rocks, of the layers in which they wait
+    constexpr double apart = 0.2;    // m, more than the largest rock
+    const auto& bodies = world.resource<BoxBodies>();
+    const EntityId first = bodies.rocks.front().front();
+    for (std::size_t i = 0; i < bodies.rocks[course].size(); ++i) {
+        const PlannedRock& planned = bodies.planned[course][i];
+        const std::size_t k = bodies.rocks[course][i] - first;
+        const Vec3 layer(static_cast<double>(k % side), static_cast<double>(k / side % side),
+                         static_cast<double>(k / (side * side)));
+        add_clump(world, rock_of(bodies, planned), static_cast<std::uint32_t>(planned.shape),
+                  Vec3(Vec3(0, 0, parked + 3) + apart * layer), Random(seed, 7000 + k).rotation(),
+                  bodies.rock, Motion::fixed);
+    }
+}
+
+void remove_later_courses(World& world) {
+    const EntityId first = world.resource<BoxBodies>().rocks[1].front();
+    const auto parents = world.column<Spheres, ParentId>();
+    world.table<Spheres>().resize(
+        static_cast<std::size_t>(std::ranges::lower_bound(parents, first) - parents.begin()));
+    world.table<Bodies>().resize(first);
 }
 
 void set_materials(World& world, const MakingMaterials& making) {
@@ -282,10 +310,12 @@ void set_materials(World& world, const MakingMaterials& making) {
 namespace {
 
 void put(World& world, EntityId body, const Vec3& position, Motion motion) {
-    value_of<Position>(world, body) = position;
-    value_of<MotionOf>(world, body) = static_cast<std::uint32_t>(motion);
-    value_of<Velocity>(world, body).setZero();
-    value_of<Acceleration>(world, body).setZero();
+    const Row row = row_of_body(world, body);
+    Table& bodies = world.table<Bodies>();
+    bodies.column<Position>()[row] = position;
+    bodies.column<MotionOf>()[row] = static_cast<std::uint32_t>(motion);
+    bodies.column<Velocity>()[row].setZero();
+    bodies.column<Acceleration>()[row].setZero();
     set_angular_velocity(world, body, Vec3::Zero());
     invalidate_lists(world);
 }
@@ -318,7 +348,7 @@ void park(World& world, EntityId body, const Vec3& position) {
 void place_bladder(World& world, const BoxSizes& s) {
     const EntityId bladder = world.resource<BoxBodies>().bladder;
     const double surface =
-        surface_height(world, Vec3(0, s.bladder_face(), 0), Vec3(s.width, s.half_length, 0), 0);
+        surface_height(world, Vec3(0, s.bladder_face(), 0), Vec3(s.width, s.across, 0), 0);
     const double raised = std::max(0.0, surface + 1e-3 - s.bladder_low);
     for (SpringPatch& p :
          world.resource<SpringPatches>().of_body[value_of<PatchesOf>(world, bladder) - 1])
@@ -348,7 +378,7 @@ double surface_height(const World& world, const Vec3& low, const Vec3& high, dou
 
 void check_tie(const World& world, const BoxSizes& s, double x, double level, double surface) {
     const double limit = world.resource<Limits>().overlap;
-    const Vec3 centre(x, s.tie.y() / 2, level + s.tie.z() / 2);
+    const Vec3 centre(x, s.tie_centre(), level + s.tie.z() / 2);
     visit_spheres(world, [&](const Vec3& c, double r, Row b) {
         const Vec3 outside = (c - centre).cwiseAbs() - 0.5 * s.tie;
         const double inside = outside.maxCoeff(); // of a centre within the tie, below 0

@@ -19,10 +19,18 @@ struct BoxSensor {
     std::size_t course; ///< is placed on top of this course
 };
 
+/// A rock that will be poured: its shape among BoxBodies::shapes, and its sieve size, scaled, m.
+struct PlannedRock {
+    std::size_t shape;
+    double sieve;
+};
+
 /// Bodies of a ballast box.
 struct BoxBodies {
     static constexpr auto name = "box_bodies";
-    std::array<std::vector<EntityId>, courses.size()> rocks; ///< by course
+    std::array<std::vector<EntityId>, courses.size()> rocks;      ///< by course
+    std::array<std::vector<PlannedRock>, courses.size()> planned; ///< the same, as they are made
+    std::vector<Clump> shapes;                                    ///< of rocks
     std::vector<BoxSensor> sensors;
     std::vector<EntityId> ties, subgrade;
     EntityId bladder = nobody;
@@ -60,6 +68,11 @@ struct BoxState {
 /// Makes the world of a box: subgrade, sides, bladder, compaction plate, ties, sensor rocks, and
 /// all rocks, parked above the box until they are poured. Throws InputError.
 World make_box_world(const BallastBox& box, std::uint64_t seed);
+
+/// Takes the rocks of all courses but the first out of a new world, where they would cost time, and
+/// makes those of a course again, in their waiting places.
+void remove_later_courses(World& world);
+void add_course(World& world, std::size_t course, std::uint64_t seed);
 
 /// How the materials of a box differ from those of the loaded ballast while the bed is made.
 struct MakingMaterials {

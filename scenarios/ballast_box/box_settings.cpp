@@ -16,13 +16,12 @@ void check_fouling_file(const BallastBox& box) {
     const BoxSizes s = box_sizes(box);
     const Box3 covered = read_vdb(file, "fines").box();
     require(covered.low.maxCoeff() <= 0 && covered.high.x() >= s.width &&
-                covered.high.y() >= s.half_length && covered.high.z() >= s.depth,
+                covered.high.y() >= s.across && covered.high.z() >= s.depth,
             fmt::format("{}: grid fines: expected voxels that cover the ballast, (0, 0, 0) to "
                         "({:g}, {:g}, {:g}) m, found ({:.3g}, {:.3g}, {:.3g}) to ({:.3g}, {:.3g}, "
                         "{:.3g}) m",
-                        file.string(), s.width, s.half_length, s.depth, covered.low.x(),
-                        covered.low.y(), covered.low.z(), covered.high.x(), covered.high.y(),
-                        covered.high.z()));
+                        file.string(), s.width, s.across, s.depth, covered.low.x(), covered.low.y(),
+                        covered.low.z(), covered.high.x(), covered.high.y(), covered.high.z()));
 }
 
 } // namespace
@@ -66,22 +65,26 @@ void check_box(const BallastBox& box) {
 }
 
 BoxSizes box_sizes(const BallastBox& box) {
-    constexpr double half_tie = 1.295, tie_height = 0.23, bay = tie_spacing;
+    constexpr double bay = tie_spacing, whole_length = 3.96, whole_width = 3.36;
+    const Vec3 half_tie(tie_width, tie_length / 2, tie_height);
+    if (box.is_full())
+        return {.width = whole_length,
+                .ties = {whole_length / 2 - 1.5 * bay, whole_length / 2 - 0.5 * bay,
+                         whole_length / 2 + 0.5 * bay, whole_length / 2 + 1.5 * bay},
+                .loaded = {1, 2},
+                .across = whole_width,
+                .middle = whole_width / 2,
+                .tie = Vec3(tie_width, tie_length, tie_height),
+                .share = 1};
     if (box.is_dynamic() && !box.is_bay())
-        return {.width = 2 * bay,
-                .ties = {0.5 * bay, 1.5 * bay},
-                .tie = Vec3(tie_width, half_tie, tie_height),
-                .share = 0.5};
+        return {
+            .width = 2 * bay, .ties = {0.5 * bay, 1.5 * bay}, .loaded = {0, 1}, .tie = half_tie};
+    if (box.is_bay() || box.width > 0.6)
+        return {.width = bay, .ties = {0.5 * bay}, .tie = half_tie};
     // plane strain: the tie reaches through the sides, so that no rock gets between
-    const bool whole_bay = box.is_bay() || box.width > 0.6;
-    if (whole_bay)
-        return {.width = bay,
-                .ties = {0.5 * bay},
-                .tie = Vec3(tie_width, half_tie, tie_height),
-                .share = 0.5};
     return {.width = box.width,
             .ties = {0.5 * box.width},
-            .tie = Vec3(box.width + 0.2, half_tie, tie_height),
+            .tie = Vec3(box.width + 0.2, half_tie.y(), half_tie.z()),
             .share = 0.5 * box.width / tie_width};
 }
 

@@ -15,8 +15,9 @@
 
 namespace bris {
 
-/// Settings of a ballast box. x: along the track; y: along the ties, from their middle (y = 0) to
-/// the shoulder; z: up, from the surface of the subgrade.
+/// Settings of a ballast box. x: along the track; y: along the ties to the shoulder, from their
+/// middle or, in the model `full`, from the wall behind their other end; z: up, from the surface of
+/// the subgrade.
 struct BallastBox {
     std::string run = "I.2", model = "settlement";
     double frequency = 0, peak_load = 0, least_load = 0.1;
@@ -45,7 +46,8 @@ struct BallastBox {
 
     /// True masses and recorders in the sensor rocks: the models with real time. The model `bay`,
     /// one tie over which trains pass, belongs to the scenario track_passage.
-    bool is_dynamic() const { return model == "dynamic" || is_bay(); }
+    bool is_dynamic() const { return model == "dynamic" || is_full() || is_bay(); }
+    bool is_full() const { return model == "full"; }
     bool is_bay() const { return model == "bay"; }
     // settings with the default of 0 that a run or a model determines
     double peak() const { return peak_load > 0 ? peak_load : box_test(run).peak_load; }
@@ -53,9 +55,13 @@ struct BallastBox {
     double load_frequency() const {
         return frequency > 0 ? frequency : box_test(run).frequencies.back();
     }
-    unsigned load_cycles() const { return cycles > 0 ? cycles : (is_dynamic() ? 1 : 5); }
+    /// 0 in the model `full`: some steps of a cycle, which say how long 1 000 cycles would take.
+    unsigned load_cycles() const {
+        return cycles > 0 ? cycles : is_full() ? 0 : is_dynamic() ? 1 : 5;
+    }
     double scale() const {
-        return rock_scale > 0 ? rock_scale : is_bay() ? 1.7 : is_dynamic() ? 1.5 : 1.3;
+        if (rock_scale > 0) return rock_scale;
+        return is_full() ? 1 : is_bay() ? 1.7 : is_dynamic() ? 1.5 : 1.3;
     }
 };
 
@@ -66,25 +72,31 @@ void check_box(const BallastBox& box);
 /// fouled ballast. None on clean ballast, where moisture has no effect: such a run has no fields.
 FoulingOptions fouling_of(const BallastBox& box);
 
-inline constexpr double tie_width = 0.27;       // m
-inline constexpr double tie_spacing = 0.61;     // m
+inline constexpr double tie_width = 0.27, tie_length = 2.59, tie_height = 0.23; // m
+inline constexpr double tie_spacing = 0.61;                                     // m
 inline constexpr double plate_thickness = 0.05; // m, of the plates that compact the lifts
 
 /// Sizes of the box, its ties and its bladder, m. Those of the box are the report's; those of the
 /// ties are usual for concrete ties.
 struct BoxSizes {
-    double width = 0;             ///< along x: a slice, or two bays
-    std::vector<double> ties;     ///< x of each tie
-    double half_length = 1.68;    ///< of the box along y
-    double depth = 0.36;          ///< of the ballast, as filled
-    Vec3 tie = Vec3::Zero();      ///< of the half tie that is modelled
-    double rail_seat = 0.7525;    ///< y
-    double bladder_depth = 0.30;  ///< along y
-    double bladder_low = 0.16;    ///< z of its lower side
-    double bladder_height = 0.20; ///< on which the pressure acts
-    double bladder_top = 0.56;    ///< z of its upper side, so that no rock falls over it
-    double bladder_face() const { return half_length - bladder_depth; } ///< y
-    /// Share of a whole tie's load that the model's half tie carries.
+    double width = 0;                        ///< along x: a slice, two bays, or the whole box
+    std::vector<double> ties;                ///< x of each tie
+    std::array<std::size_t, 2> loaded{0, 0}; ///< numbers of the ties below the two actuators
+    double across = 1.68;                    ///< of the box along y
+    double middle = 0;                       ///< y of the middle of the ties; 0: a mirror side
+    double depth = 0.36;                     ///< of the ballast, as filled
+    Vec3 tie = Vec3::Zero();                 ///< of the tie or half tie that is modelled
+    double rail_seat = 0.7525;               ///< y from the middle of a tie
+    double bladder_depth = 0.30;             ///< along y
+    double bladder_low = 0.16;               ///< z of its lower side
+    double bladder_height = 0.20;            ///< on which the pressure acts
+    double bladder_top = 0.56;               ///< z of its upper side, so that no rock falls over it
+    double bladder_face() const { return across - bladder_depth; } ///< y
+    /// y of the centre of what is modelled of a tie, and of the load of the rails on it.
+    double tie_centre() const { return middle > 0 ? middle : tie.y() / 2; }
+    double load_place() const { return middle > 0 ? middle : rail_seat; }
+    double tie_end() const { return tie_centre() + tie.y() / 2; } ///< y, beside the shoulder
+    /// Share of a whole tie's load that the model's tie carries.
     double share = 0.5;
 };
 BoxSizes box_sizes(const BallastBox& box);
@@ -105,10 +117,12 @@ void BallastBox::describe(auto& option) {
     option.group("Test");
     option("run", run, "",
            "Run of table 1 of the report: I.1 to I.4 (clean) or II.1 to II.4 (fouled).");
-    option("model", model, "",
-           "settlement: a slice under half a tie, quasi-static with scaled masses. dynamic: two "
-           "half ties that are loaded 180 degrees apart, with true masses.",
-           {"settlement", "dynamic"});
+    option(
+        "model", model, "",
+        "settlement: a slice under half a tie, quasi-static with scaled masses. dynamic: two "
+        "half ties that are loaded 180 degrees apart, with true masses. full: the same with four "
+        "whole ties in the whole box.",
+        {"settlement", "dynamic", "full"});
     option("frequency", frequency, "Hz",
            "Frequency of the load in the dynamic model. 0: the highest one of the run.",
            within(0, 10));
@@ -117,7 +131,9 @@ void BallastBox::describe(auto& option) {
            within(0, 1e7).usually(1e3, 1e6));
     option("least_load", least_load, "", "Least load of each actuator over the peak load.",
            within(0, 0.9));
-    option("cycles", cycles, "", "Load cycles. 0: 5 in the settlement model, 1 in the dynamic one.",
+    option("cycles", cycles, "",
+           "Load cycles. 0: 5 in the settlement model, 1 in the dynamic one, 200 time steps in the "
+           "full one.",
            within(0, 1e6));
     option("steps_per_cycle", steps_per_cycle, "", "Time steps of a cycle in the settlement model.",
            within(200, 1e6));
@@ -125,7 +141,9 @@ void BallastBox::describe(auto& option) {
     option("width", width, "m", "Width of the slice of the settlement model along the track.",
            within(0.1, 0.61));
     option("rock_scale", rock_scale, "",
-           "Factor on all sizes of rocks. 0: 1.3 in the settlement model, 1.5 in the dynamic one.",
+           "Factor on all sizes of rocks. 0: 1.3 in the settlement model, 1.5 in the dynamic one, "
+           "1 in "
+           "the full one.",
            within(0, 4));
     describe_ballast(option);
     option.group("Track");

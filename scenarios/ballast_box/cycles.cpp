@@ -19,6 +19,7 @@ std::vector<RunFile::Column> cycle_columns() {
             {"bladder_pressure", "Pa"},
             {"bladder_displacement", "m"},
             {"subgrade_settlement", "m"},
+            {"tie_load", "N"},
             {"tie_support", "N"},
             {"subgrade_force", "N"},
             {"unbalanced_ratio", ""},

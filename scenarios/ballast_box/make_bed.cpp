@@ -6,6 +6,7 @@
 #include "scenarios/ballast_box/pour.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/true_masses.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/porosity.hpp"
@@ -20,6 +21,8 @@ namespace bris {
 
 namespace {
 
+/// Time step over the stable step without the dashpots, which are strong here.
+constexpr double making_safety = 0.3;
 constexpr double stage_factor = 1.25; // of hardening
 constexpr std::uint64_t stage_steps = 300;
 // of compaction
@@ -49,6 +52,21 @@ void damp_subgrade(World& world, double mass) {
         [&](SpringPatch& p) { p.damping = 2 * ratio * std::sqrt(stiffness * mass) / springs; });
 }
 
+/// Gives rocks the masses with which all of them have the same stable step, since the smallest ones
+/// would ask for a step of a third. Weights follow the masses, so that all fall alike. With dt = 0
+/// (s) the step is chosen so that the total mass stays; otherwise masses are only raised.
+double scale_rocks(World& world, double dt) {
+    const MassScaling scaling = scale_masses(world, dt, making_safety, dt > 0);
+    const EntityId first = world.resource<BoxBodies>().sensors.front().body; // rocks follow
+    Table& bodies = world.table<Bodies>();
+    for (Row b = 0; b < bodies.size(); ++b) {
+        if (bodies.column<BodyId>()[b] < first) continue;
+        bodies.column<Mass>()[b] = bodies.column<InertialMass>()[b];
+        bodies.column<Inertia>()[b] = bodies.column<InertialInertia>()[b];
+    }
+    return scaling.dt;
+}
+
 double kinetic_ratio(const World& world) {
     const Quantities q = compute_quantities(world);
     return q.kinetic_energy / (q.weight.norm() * mean_radius(world));
@@ -56,12 +74,23 @@ double kinetic_ratio(const World& world) {
 
 } // namespace
 
+void BoxTestRun::take_true_masses(World& world) const {
+    const World as_made = make_box_world(box_, seed_); // whose rows are in the order of the ids
+    Table& bodies = world.table<Bodies>();
+    for (Row b = 0; b < bodies.size(); ++b) {
+        const EntityId id = bodies.column<BodyId>()[b];
+        bodies.column<Mass>()[b] = as_made.column<Bodies, Mass>()[id];
+        bodies.column<Inertia>()[b] = as_made.column<Bodies, Inertia>()[id];
+    }
+    adapt_step(world, making_fraction * restore_masses(world));
+}
+
 Phase BoxTestRun::pour(std::size_t course) const {
     constexpr double least = 0.25, most = 0.8; // s
     return {.advance =
                 [this](Simulation& s) {
                     s.advance(block);
-                    adapt_step(s.world(), hard_step_ / std::sqrt(box_.fill_softness));
+                    scale_rocks(s.world(), s.world().resource<Clock>().dt);
                     const double now = since(s.world());
                     return now < least || (now < most && kinetic_ratio(s.world()) > 1e-2);
                 },
@@ -74,7 +103,9 @@ Phase BoxTestRun::pour(std::size_t course) const {
                 [this, course](Simulation& s) {
                     note_beginning(s.world());
                     if (course == 1) place_bladder(s.world(), sizes_);
+                    if (course > 0) add_course(s.world(), course, seed_);
                     pour_course(s.world(), sizes_, course, seed_);
+                    s.world().resource<Clock>().change_step(scale_rocks(s.world(), 0));
                 }};
 }
 
@@ -109,7 +140,7 @@ void BoxTestRun::begin_compaction(World& world, std::size_t lift) const {
     state.friction = 1;
     const EntityId plate = plate_of(world, lift);
     Vec3 at = value_of<Position>(world, plate);
-    const double depth = lift == 0 ? sizes_.half_length : sizes_.bladder_face();
+    const double depth = lift == 0 ? sizes_.across : sizes_.bladder_face();
     at.z() = surface_height(world, Vec3::Zero(), Vec3(sizes_.width, depth, 0), 0) +
              plate_thickness / 2 + 1e-3;
     release(world, plate, at);
@@ -119,7 +150,7 @@ void BoxTestRun::begin_compaction(World& world, std::size_t lift) const {
 
 double BoxTestRun::plate_force(std::size_t lift) const {
     return box_.compaction_pressure * sizes_.width *
-           (lift == 0 ? sizes_.half_length : sizes_.bladder_face());
+           (lift == 0 ? sizes_.across : sizes_.bladder_face());
 }
 
 // The plate presses the lift down and oscillates. With their friction the rocks stay as loose as
@@ -174,7 +205,7 @@ Phase BoxTestRun::compact(std::size_t course) const {
     return {.advance =
                 [this, lift](Simulation& s) {
                     s.advance(block);
-                    adapt_step(s.world(), hard_step_ / std::sqrt(box_.fill_softness));
+                    scale_rocks(s.world(), s.world().resource<Clock>().dt);
                     return compact_further(s.world(), lift);
                 },
             .progress =
@@ -220,9 +251,10 @@ Phase BoxTestRun::harden() const {
                 return PhaseProgress{"harden", world.resource<BoxState>().stage / (stages + 3), ""};
             },
         .begin =
-            [](Simulation& s) {
+            [this](Simulation& s) {
                 note_beginning(s.world());
                 s.world().resource<BoxState>().stage = 0;
+                take_true_masses(s.world());
             }};
 }
 

@@ -13,7 +13,7 @@ namespace bris {
 
 namespace {
 
-constexpr double filling = 0.2; // of bounding spheres in the column: random places are found soon
+constexpr double filling = 0.3; // of bounding spheres in the column: random places are found soon
 constexpr std::uint64_t place_stream = 8001;
 
 struct Placed {
@@ -72,14 +72,13 @@ void pour_course(World& world, const BoxSizes& s, std::size_t course, std::uint6
     const auto& ids = world.resource<BoxBodies>().rocks[course];
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto radius = world.column<Bodies, BoundingRadius>();
-    const double depth = course == 0 ? s.half_length : s.bladder_face();
+    const double depth = course == 0 ? s.across : s.bladder_face();
     double largest = 0, volume = 0;
     for (const EntityId id : ids) {
         largest = std::max(largest, radius[rows[id]]);
         volume += 4 * pi / 3 * std::pow(radius[rows[id]], 3);
     }
-    const double low =
-        surface_height(world, Vec3::Zero(), Vec3(s.width, s.half_length, 0), 0) + 0.002;
+    const double low = surface_height(world, Vec3::Zero(), Vec3(s.width, s.across, 0), 0) + 0.002;
     double high = low + 2 * largest + volume / (filling * s.width * depth);
     Cells cells(2 * largest);
     std::vector<EntityId> order = ids; // largest first

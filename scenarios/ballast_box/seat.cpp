@@ -116,7 +116,7 @@ void BoxTestRun::foul(Simulation& simulation) const {
     const double half = 0.5 * (sizes_.bladder_top - sizes_.bladder_low);
     if (box_test(box_.run).confined)
         fields.blocked = {{Vec3(-1, bladder.y() - sizes_.bladder_depth / 2, bladder.z() - half),
-                           Vec3(sizes_.width + 1, sizes_.half_length, bladder.z() + half)}};
+                           Vec3(sizes_.width + 1, sizes_.across, bladder.z() + half)}};
     fill_with_fines(world, fouling, seed_);
 }
 
@@ -124,7 +124,7 @@ void add_fields(Simulation& simulation, const BallastBox& box) {
     const FoulingOptions fouling = fouling_of(box);
     const BoxSizes s = box_sizes(box);
     add_fouling(simulation.world(), fouling.settings, fouling.law,
-                {.low = Vec3::Zero(), .high = Vec3(s.width, s.half_length, fields_height)});
+                {.low = Vec3::Zero(), .high = Vec3(s.width, s.across, fields_height)});
     simulation.prepare();
 }
 
@@ -136,8 +136,9 @@ void BoxTestRun::place_ties(Simulation& s) const {
     for (std::size_t k = 0; k < ties.size(); ++k) {
         const Vec3 half = 0.5 * sizes_.tie;
         const double x = sizes_.ties[k];
-        const double surface = surface_height(world, Vec3(x - half.x(), 0, 0),
-                                              Vec3(x + half.x(), sizes_.tie.y(), 0), 0);
+        const double surface =
+            surface_height(world, Vec3(x - half.x(), sizes_.tie_centre() - half.y(), 0),
+                           Vec3(x + half.x(), sizes_.tie_end(), 0), 0);
         const double level = box_.tie_level > 0 ? box_.tie_level : surface + 1e-5;
         check_tie(world, sizes_, x, level, surface);
         Vec3 at = value_of<Position>(world, ties[k]);

@@ -5,7 +5,7 @@
 
 namespace bris {
 
-Recording recording_of(const InertialRecorder& recorder, unsigned id, const Vec3& position,
+Recording recording_of(const RecordingImu& recorder, unsigned id, const Vec3& position,
                        const Quat& attitude) {
     const ImuModel& m = recorder.imu.model();
     Recording r;
@@ -36,13 +36,13 @@ Recording recording_of(const InertialRecorder& recorder, unsigned id, const Vec3
     return r;
 }
 
-std::vector<Recording> recordings_of(const World& world) {
+std::vector<Recording> recordings_of(const World& world, RecordingImu InertialRecorder::*by) {
     std::vector<Recording> recordings;
     for (const InertialRecorder& recorder : world.resource<InertialRecorders>().list) {
         const Row row = row_of_body(world, recorder.body);
-        recordings.push_back(recording_of(recorder, static_cast<unsigned>(recordings.size() + 1),
-                                          world.column<Bodies, Position>()[row],
-                                          world.column<Bodies, Orientation>()[row]));
+        recordings.push_back(recording_of(
+            recorder.*by, static_cast<unsigned>(recordings.size() + 1),
+            world.column<Bodies, Position>()[row], world.column<Bodies, Orientation>()[row]));
     }
     return recordings;
 }

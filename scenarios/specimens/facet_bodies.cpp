@@ -141,7 +141,9 @@ void add_recorder(World& world, EntityId body, const ImuModel& model, const Vec3
     require(number == 0, fmt::format("inertial recorder: expected at most one on a body, found "
                                      "another one on body {}",
                                      body));
-    list.push_back({body, Imu(model, gravity, seed, body), {}});
+    list.push_back({.body = body,
+                    .device = {Imu(model, gravity, seed, body)},
+                    .exact = {Imu(without_errors(model), gravity, seed, body)}});
     world.resource<NotedMotions>().of.resize(list.size());
     number = static_cast<std::uint32_t>(list.size());
 }
@@ -158,11 +160,12 @@ void start_recording(World& world) {
     auto& recorders = world.resource<InertialRecorders>();
     const Clock& clock = world.resource<Clock>();
     for (InertialRecorder& r : recorders.list) {
-        require(r.imu.model().rate * clock.dt <= 1,
+        require(r.device.imu.model().rate * clock.dt <= 1,
                 fmt::format("inertial recorder: expected a sampling rate up to {:g} Hz, one sample "
                             "per time step, found {:g} Hz",
-                            1 / clock.dt, r.imu.model().rate));
-        r.samples.clear();
+                            1 / clock.dt, r.device.imu.model().rate));
+        r.device.samples.clear();
+        r.exact.samples.clear();
     }
     recorders.start = clock.time();
     recorders.running = true;

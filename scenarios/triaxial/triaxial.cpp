@@ -7,7 +7,7 @@
 #include "components/platen.hpp"
 #include "components/settings.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
-#include "scenarios/triaxial/true_masses.hpp"
+#include "scenarios/specimens/true_masses.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/stress.hpp"

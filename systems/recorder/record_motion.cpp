@@ -11,6 +11,7 @@ constexpr std::size_t numbers_per_sample = 10;
 std::string path_of(const InertialRecorder& recorder) {
     return "recorder/" + std::to_string(recorder.body);
 }
+std::string exact_path_of(const InertialRecorder& recorder) { return path_of(recorder) + "/exact"; }
 
 std::vector<double> numbers_of(const std::vector<ImuSample>& samples) {
     std::vector<double> numbers;
@@ -38,22 +39,40 @@ std::vector<ImuSample> samples_of(const std::vector<double>& n) {
     return samples;
 }
 
+void save(Archive& archive, const RecordingImu& recording, const std::string& path) {
+    recording.imu.save(archive, path);
+    archive.put(path + "/samples", std::span<const double>(numbers_of(recording.samples)));
+}
+
+void load(const Archive& archive, RecordingImu& recording, const std::string& path) {
+    recording.imu.load(archive, path);
+    recording.samples = samples_of(archive.get<double>(path + "/samples"));
+}
+
+/// Lets the device follow the motion, and takes the sample if it is due.
+void record(RecordingImu& recording, const TrueMotion& motion, double start, const Clock& clock) {
+    recording.imu.sense(clock.dt, motion);
+    const double next =
+        start + static_cast<double>(recording.samples.size()) / recording.imu.model().rate;
+    if (clock.time() + 0.5 * clock.dt > next)
+        recording.samples.push_back(recording.imu.read(clock.time()));
+}
+
 } // namespace
 
 void InertialRecorders::save(Archive& archive) const {
     put_fields(archive, "recorder/settings", std::tie(running, start));
     for (const InertialRecorder& recorder : list) {
-        recorder.imu.save(archive, path_of(recorder));
-        archive.put(path_of(recorder) + "/samples",
-                    std::span<const double>(numbers_of(recorder.samples)));
+        bris::save(archive, recorder.device, path_of(recorder));
+        bris::save(archive, recorder.exact, exact_path_of(recorder));
     }
 }
 
 void InertialRecorders::load(const Archive& archive) {
     get_fields(archive, "recorder/settings", std::tie(running, start));
     for (InertialRecorder& recorder : list) {
-        recorder.imu.load(archive, path_of(recorder));
-        recorder.samples = samples_of(archive.get<double>(path_of(recorder) + "/samples"));
+        bris::load(archive, recorder.device, path_of(recorder));
+        bris::load(archive, recorder.exact, exact_path_of(recorder));
     }
 }
 
@@ -92,11 +111,8 @@ void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, con
 void record_motion(const NotedMotions& motions, InertialRecorders& recorders, const Clock& clock) {
     for (std::size_t k = 0; k < recorders.list.size(); ++k) {
         InertialRecorder& recorder = recorders.list[k];
-        recorder.imu.sense(clock.dt, motions.of[k]);
-        const double next = recorders.start + static_cast<double>(recorder.samples.size()) /
-                                                  recorder.imu.model().rate;
-        if (clock.time() + 0.5 * clock.dt > next)
-            recorder.samples.push_back(recorder.imu.read(clock.time()));
+        record(recorder.device, motions.of[k], recorders.start, clock);
+        record(recorder.exact, motions.of[k], recorders.start, clock);
     }
 }
 

@@ -12,11 +12,17 @@
 
 namespace bris {
 
-/// An inertial sensor on a body of the running simulation, with what it has recorded.
+/// A device and what it has recorded.
+struct RecordingImu {
+    Imu imu;
+    std::vector<ImuSample> samples = {};
+};
+
+/// An inertial sensor on a body of the running simulation, and beside it one without errors, which
+/// tells what of a recording is motion and what is noise.
 struct InertialRecorder {
     EntityId body;
-    Imu imu;
-    std::vector<ImuSample> samples;
+    RecordingImu device, exact;
 };
 
 /// The inertial recorders of a scene. They record while `running`.

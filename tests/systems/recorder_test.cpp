@@ -33,7 +33,7 @@ Rock make_rock(const Vec3& gravity) {
 }
 
 const std::vector<ImuSample>& samples_of(const Simulation& sim) {
-    return sim.world().resource<InertialRecorders>().list.at(0).samples;
+    return sim.world().resource<InertialRecorders>().list.at(0).device.samples;
 }
 
 } // namespace
@@ -54,6 +54,28 @@ TEST_SUITE("recorder") {
         }
         const Quat q = exponential_map(Vec3(0.4, 0.1, -0.8));
         CHECK((samples[0].rate - q.conjugate() * Vec3(3, -2, 5)).norm() < 1e-12);
+    }
+
+    TEST_CASE("a device without errors beside a noisy one tells motion from noise") {
+        Rock rock = make_rock(earth);
+        const ImuModel model = imu_preset("smartrock-like");
+        add_recorder(rock.world, rock.body, model, earth, 1);
+        Simulation sim = begin(std::move(rock.world), {.dt = 3e-5});
+        start_recording(sim.world());
+        sim.advance(100'000); // 3 s of free fall: the force is 0, the device reads its errors
+        const auto& recorder = sim.world().resource<InertialRecorders>().list.at(0);
+        REQUIRE(recorder.exact.samples.size() == recorder.device.samples.size());
+        const auto count = static_cast<double>(recorder.device.samples.size());
+        Vec3 mean = Vec3::Zero();
+        for (const ImuSample& s : recorder.device.samples) mean += s.force / count;
+        double squares = 0;
+        for (std::size_t k = 0; k < recorder.device.samples.size(); ++k) {
+            CHECK(recorder.exact.samples[k].force.norm() < 1e-12);
+            CHECK(recorder.exact.samples[k].rate.norm() < 1e-12);
+            squares += (recorder.device.samples[k].force - mean).squaredNorm() / (3 * count);
+        }
+        // white noise of a density, sampled at the rate; rounding to 16 bits adds little
+        CHECK(std::sqrt(squares) == about(model.noise.force * std::sqrt(model.rate)).epsilon(0.1));
     }
 
     TEST_CASE("a rock at rest reads 1 g in the direction of its attitude") {

@@ -5,6 +5,7 @@
 #include "components/slab.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/memory.hpp"
 #include "engine/ranks.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
@@ -23,7 +24,6 @@
 #include <algorithm>
 #include <map>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <tuple>
 
 namespace {
@@ -120,13 +120,6 @@ ListSettings lists_of(const Bench& s, const peers::Bed& bed) {
     return lists;
 }
 
-/// Peak memory (MB) of the process so far.
-double peak_memory() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
-}
-
 /// Results of the run of one scene.
 struct Outcome {
     std::vector<Vec3> pressures;     ///< Pa, on the moving planes of a bed under pressure
@@ -196,7 +189,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     simulation.look();
     o.wall = seconds_since(began);
 
-    o.peak_memory = peak_memory();
+    o.peak_memory = static_cast<double>(largest_memory()) / 1e6; // MB
     o.rebuilds = world.resource<ListState>().rebuilds - before.rebuilds;
     o.prunes = world.resource<ListState>().prunes - before.prunes;
     o.fingerprint = fingerprint(simulation.snapshot());

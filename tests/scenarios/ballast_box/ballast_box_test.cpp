@@ -1,4 +1,5 @@
 #include "engine/errors.hpp"
+#include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
 #include "scenarios/ballast_box/cycles.hpp"
 #include "scenarios/ballast_box/rail.hpp"
@@ -169,6 +170,43 @@ TEST_SUITE("ballast_box") {
               }).starts_with("rail: expected"));
     }
 
+    TEST_CASE("the whole box has four whole ties, of which the middle ones are below actuators") {
+        BallastBox box;
+        box.model = "full";
+        box.rock_scale = 4; // few rocks
+        const BoxSizes s = box_sizes(box);
+        REQUIRE(s.ties.size() == 4);
+        CHECK(s.ties[0] + s.ties[3] == about(3.96));
+        CHECK(s.tie_end() == about(1.68 + 1.295));
+        const auto shares = tie_shares(box);
+        REQUIRE(shares.size() == 4);
+        for (std::size_t actuator = 0; actuator < 2; ++actuator) {
+            double sum = 0;
+            for (const auto& of_tie : shares) sum += of_tie[actuator];
+            CHECK(sum == about(1));
+            CHECK(shares[s.loaded[actuator]][actuator] > 0.3);
+        }
+        CHECK(shares[0][0] == about(shares[3][1])); // by symmetry
+        // the same box with half ties: the rails lie on the same four ties
+        BallastBox half;
+        half.model = "dynamic";
+        half.box_ties = 4;
+        CHECK(tie_shares(half)[0][0] == about(shares[1][0]));
+
+        const World world = make_box_world(box, 1);
+        const auto& bodies = world.resource<BoxBodies>();
+        const auto mass = [&](EntityId body) {
+            return world.column<Bodies, Mass>()[row_of_body(world, body)];
+        };
+        REQUIRE(bodies.ties.size() == 4);
+        for (const EntityId tie : bodies.ties) CHECK(mass(tie) == about(2400 * 2.59 * 0.27 * 0.23));
+        CHECK(bodies.sensors.size() == 8);
+        for (const BoxSensor& sensor : bodies.sensors) {
+            CHECK(sensor.place.y() > 1.6);
+            CHECK(sensor.place.y() < s.tie_end());
+        }
+    }
+
     TEST_CASE("a long rail on many ties follows the beam on a Winkler foundation") {
         // reactions k w(x), w = P beta / (2 u) exp(-beta x) (cos beta x + sin beta x), u = k / s
         constexpr double spacing = 0.1, support = 2e6, bending = 8e6;
@@ -199,7 +237,7 @@ TEST_SUITE("ballast_box") {
             // 1 kN of weight; the subgrade of 50 kN/mm gives 2 of the 4 mm, elastic contacts 0.5 mm
             const double carried = 1e3 + 100e3 * load;
             samples.add({static_cast<double>(k) / n, 0, 100e3 * load, 0, deflection, 0, 0, 0, 0,
-                         carried, 0, 0, 0.5 * carried * carried / 50e6,
+                         carried, carried, 0, 0, 0.5 * carried * carried / 50e6,
                          0.5 * carried * carried / 200e6});
         }
         const auto cycles = cycle_responses(samples, 1);

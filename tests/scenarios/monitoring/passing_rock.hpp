@@ -26,7 +26,7 @@ inline Recording recording_under(const LoadHistory& load, const char* device, st
     const auto height = [&](double t) {
         return -hardening_displacement(load.at(t)) - 1e-4 * share(t);
     };
-    InertialRecorder recorder{0, Imu(imu_preset(device), Vec3(0, 0, -9.81), seed, id), {}};
+    RecordingImu recorder{Imu(imu_preset(device), Vec3(0, 0, -9.81), seed, id)};
     const Quat tilted(Eigen::AngleAxisd(0.7, Vec3(1, 2, 0).normalized()));
     const double step = 1 / recorder.imu.model().rate;
     for (double t = -1 - early; t < load.times.back() + 1; t += step) {

@@ -1,4 +1,4 @@
-#include "scenarios/triaxial/true_masses.hpp"
+#include "scenarios/specimens/true_masses.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "tests/support.hpp"
@@ -8,7 +8,7 @@
 using namespace bris;
 using namespace bris::testing;
 
-TEST_SUITE("triaxial/true_masses") {
+TEST_SUITE("specimens/true_masses") {
     TEST_CASE("masses that were scaled and restored are the true ones, and the work of scaling and "
               "restoring adds up to zero") {
         Simulation sim = begin(bed({.grains = Grains::clumps, .bodies = 30}),

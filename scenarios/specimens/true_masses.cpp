@@ -1,4 +1,4 @@
-#include "scenarios/triaxial/true_masses.hpp"
+#include "scenarios/specimens/true_masses.hpp"
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
