@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 
 /// Settings that do not concern the specimen: it can be tested again with others.
 const std::vector<std::string_view> settings_of_tests{
-    "normal_stress_Pa", "vci_percent", "speed_m_per_s", "interval_m", "tolerance", "safety"};
+    "normal_stress_Pa", "vci_percent", "speed_m_per_s", "interval_m",    "tolerance",
+    "safety",           "fines",       "fines_size_m",  "fines_friction"};
 
 /// A made specimen.
 struct Packing {
@@ -126,7 +127,9 @@ public:
         s.add("height_m", state.start_height);
         s.add("void_contaminant_index_at_start_percent", state.start_vci);
         s.add("time_step_s", world.resource<Clock>().dt);
-        if (test_.vci > 0 || box_.fouling.any()) add_fouling_results(s, world);
+        if (world.has_resource<Fouling>()) add_fouling_results(s, world);
+        if (box_.fines == "grains")
+            s.add("grains", world.table<Bodies>().size() - world.resource<RockBed>().first_grain);
         run_->describe(s);
         return s;
     }

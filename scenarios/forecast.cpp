@@ -21,7 +21,8 @@ namespace {
 using namespace bris;
 
 struct Forecast {
-    SiteDesign design{.box = {.width = 0.25, .rock_scale = 1.6, .porosity = 0.41}};
+    SiteDesign design{
+        .box = {.steps_per_cycle = 8000, .width = 0.25, .rock_scale = 1.6, .porosity = 0.41}};
     std::string train = "inspection", next_train = "freight", sensor = "rail_seat_5cm";
     std::filesystem::path recordings = {}, ensemble = {};
     double threshold = 1e-3, speed = 20;

@@ -31,38 +31,51 @@ std::string folder_of(unsigned number) { return fmt::format("passage_{:02}", num
 /// The pose of the metadata is that at the end of the passage.
 void write_passage(const World& world, const TrackPassage& t, unsigned number,
                    const std::filesystem::path& out) {
-    write_passages(
-        out, {{folder_of(number), recordings_of(world)}},
-        fmt::format("Passage {} of the train '{}' at {:g} m/s", number, t.train, t.train_speed()));
+    const std::string what =
+        fmt::format("Passage {} of the train '{}' at {:g} m/s", number, t.train, t.train_speed());
+    write_passages(out, {{folder_of(number), recordings_of(world)}}, what);
+    write_passages(out / "exact",
+                   {{folder_of(number), recordings_of(world, &InertialRecorder::exact)}},
+                   what + ", by devices without errors");
 }
 
-/// Levels of a sensor in the last passage. The mean of the first tenth of a second is the level at
-/// rest: the first axle is still far away.
-void add_sensor(Summary& summary, const std::string& name, const Recording& recording) {
+/// Of the longest part without gaps; without densities if that is shorter than two segments.
+Spectrum spectrum_of(const Vibration& vertical) {
+    if (vertical.runs.empty()) return {};
+    const std::size_t longest =
+        std::ranges::max(vertical.runs, {}, [](const auto& run) { return run.size(); }).size();
+    WelchSettings settings;
+    while (settings.segment > 64 && 2 * settings.segment > longest) settings.segment /= 2;
+    return 2 * settings.segment > longest ? Spectrum{}
+                                          : welch(vertical.runs, vertical.rate, settings);
+}
+
+/// Levels of a sensor in the last passage; `prefix` tells who recorded. The mean of the first tenth
+/// of a second is the level at rest: the first axle is still far away.
+void add_sensor(Summary& summary, const std::string& prefix, const std::string& name,
+                const Recording& recording) {
     const Vibration vertical = vibration_of(recording, "vertical", 0.1);
     require(vertical.impossible_because.empty(), vertical.impossible_because);
     double peak = 0;
     for (const auto& run : vertical.runs)
         for (const double a : run) peak = std::max(peak, std::abs(a));
-    summary.add("vertical_rms_" + name + "_m_per_s2", vertical.rms);
-    summary.add("vertical_peak_" + name + "_m_per_s2", peak);
+    summary.add(prefix + "vertical_rms_" + name + "_m_per_s2", vertical.rms);
+    summary.add(prefix + "vertical_peak_" + name + "_m_per_s2", peak);
     for (const char* axis : {"roll", "pitch", "yaw"})
-        summary.add(fmt::format("{}_rate_rms_{}_rad_per_s", axis, name),
+        summary.add(fmt::format("{}{}_rate_rms_{}_rad_per_s", prefix, axis, name),
                     vibration_of(recording, std::string(axis) + "_rate", 0.1).rms);
+    const Spectrum spectrum = spectrum_of(vertical);
+    if (spectrum.density.empty()) return;
+    for (const auto& [low, high] : {std::pair{1, 5}, {5, 20}, {20, 80}})
+        summary.add(
+            fmt::format("{}vertical_power_{}_to_{}_Hz_{}_m2_per_s4", prefix, low, high, name),
+            band_power(spectrum, low, high));
+    summary.add(prefix + "vertical_entropy_" + name, spectral_entropy(spectrum, 1, 80));
 }
 
-/// Spectral density of the longest part without gaps; nothing if it is shorter than two segments.
 Curve spectrum_of(const Recording& recording, const std::string& name) {
-    const Vibration vertical = vibration_of(recording, "vertical", 0.1);
+    const Spectrum s = spectrum_of(vibration_of(recording, "vertical", 0.1));
     Curve curve{.label = name};
-    if (vertical.runs.empty()) return curve;
-    WelchSettings settings;
-    while (settings.segment > 64 &&
-           2 * settings.segment > std::ranges::max(vertical.runs, {}, [](const auto& run) {
-                                      return run.size();
-                                  }).size())
-        settings.segment /= 2;
-    const Spectrum s = welch(vertical.runs, vertical.rate, settings);
     for (std::size_t bin = 1; bin < s.density.size(); ++bin) {
         curve.x.push_back(s.frequency(bin));
         curve.y.push_back(s.density[bin]);
@@ -149,8 +162,11 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
         summary.add(name + "largest_support_kN", 1e-3 * r.largest_support);
     }
     const auto& sensors = world.resource<BoxBodies>().sensors;
-    for (std::size_t k = 0; k < sensors.size(); ++k)
-        add_sensor(summary, sensors[k].name, recordings[k]);
+    const std::vector<Recording> exact = recordings_of(world, &InertialRecorder::exact);
+    for (std::size_t k = 0; k < sensors.size(); ++k) {
+        add_sensor(summary, "", sensors[k].name, recordings[k]);
+        add_sensor(summary, "exact_", sensors[k].name, exact[k]);
+    }
     summary.add("time_step_s", world.resource<Clock>().dt);
     summary.add("stable_step_s", last.stable_step());
     add_quantities(summary, last.quantities());

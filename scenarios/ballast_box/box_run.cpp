@@ -22,7 +22,7 @@ namespace bris {
 namespace {
 
 constexpr double first_contact_fraction = 0.7; // of the stable step of a first contact
-constexpr double making_restitution = 0.1;     // upper limit, so that rocks come to rest soon
+constexpr double making_restitution = 0.3;     // upper limit, so that rocks come to rest soon
 
 } // namespace
 

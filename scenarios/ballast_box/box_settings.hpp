@@ -21,7 +21,7 @@ namespace bris {
 struct BallastBox {
     std::string run = "I.2", model = "settlement";
     double frequency = 0, peak_load = 0, least_load = 0.1;
-    unsigned cycles = 0, steps_per_cycle = 8000;
+    unsigned cycles = 0, steps_per_cycle = 16'000;
     double width = 0.2, rock_scale = 0, smallest_rock = 0.03;
     std::string material = "limestone", grading = "arema_3";
     std::filesystem::path clumps = {};

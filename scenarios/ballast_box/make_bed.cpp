@@ -22,7 +22,7 @@ namespace bris {
 namespace {
 
 /// Time step over the stable step without the dashpots, which are strong here.
-constexpr double making_safety = 0.3;
+constexpr double making_safety = 0.4;
 constexpr double stage_factor = 1.25; // of hardening
 constexpr std::uint64_t stage_steps = 300;
 // of compaction

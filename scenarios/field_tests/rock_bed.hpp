@@ -56,6 +56,7 @@ struct RockBed {
     double solid_volume = 0;                ///< m3
     double mean_size = 0, largest_size = 0; ///< m, sieve sizes
     double lid = 0;                         ///< m, height of the mould in which rocks grow
+    EntityId first_grain = nobody;          ///< of fines as particles; all bodies from it on
     double area() const { return settings.size.x() * settings.size.y(); }
     double plate_area() const { return area() - tie_area; } ///< m2, that presses on rocks
 };

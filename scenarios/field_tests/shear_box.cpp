@@ -4,6 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
+#include "scenarios/field_tests/grains.hpp"
 #include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/rock_material.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -34,7 +35,8 @@ double mean_sieve(const RockSample& sample) {
     return sum / static_cast<double>(sample.rocks.size());
 }
 
-constexpr double rim = 0.05; // m, by which sides reach beyond the box
+constexpr std::uint32_t grains_material = 3; // after rock, end walls and sides
+constexpr double rim = 0.05;                 // m, by which sides reach beyond the box
 
 void require_different(const std::vector<double>& values, const char* option) {
     auto sorted = values;
@@ -136,6 +138,11 @@ Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
     steel.name = "side";
     steel.friction = 0; // sides that are rough would carry shear past the plane between the halves
     const auto smooth = materials.add(steel);
+    Material grain = rock;
+    grain.name = "fines";
+    grain.density = box.fouling.settings.density;
+    grain.friction = box.fines_friction;
+    materials.add(grain);
     add_rock_bed(world,
                  {.size = Vec3(box.length, box.width, box.height),
                   .porosity = box.porosity,
@@ -149,6 +156,7 @@ Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
     add_plane(world, sides, Vec3(0, 0.5 * box.width, 0), -Vec3::UnitY());
     halves.floor = add_boundary(world, Vec3::Zero(), rough);
     add_plane(world, halves.floor, Vec3::Zero(), Vec3::UnitZ());
+    world.resource<RockBed>().first_grain = static_cast<EntityId>(world.table<Bodies>().size());
     world.add_resource(halves);
     world.add_resource(ShearState{});
     return start(std::move(world), {.law = LawName::linear_viscous,
@@ -161,10 +169,22 @@ void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& tes
                std::uint64_t seed, bool fill) {
     FoulingOptions fouling = box.fouling;
     World& world = simulation.world();
+    const auto& bed = world.resource<RockBed>();
+    const double voids = box.area() * plate_height(world) - bed.solid_volume;
+    if (box.fines == "grains" && test.vci > 0) {
+        const Vec3 half(0.5 * box.length, 0.5 * box.width, 0);
+        if (fill)
+            add_grains(world,
+                       {.size = box.fines_size,
+                        .material = grains_material,
+                        .solid_volume = 0.01 * test.vci * voids / (1 + fouling.settings.void_ratio),
+                        .low = -half,
+                        .high = half + Vec3(0, 0, plate_height(world))},
+                       seed);
+        return;
+    }
     if (test.vci > 0) {
-        const auto& bed = world.resource<RockBed>();
-        const double density = world.resource<Materials>().list[bed.rock].density,
-                     voids = box.area() * plate_height(world) - bed.solid_volume;
+        const double density = world.resource<Materials>().list[bed.rock].density;
         fouling.p4 = p4_of_vci(test.vci, fouling.settings, density * bed.solid_volume, voids);
     }
     if (!fouling.any()) return;
@@ -173,6 +193,16 @@ void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& tes
     world.resource<Fouling>().box = {-half, half + Vec3(0, 0, plate_height(world))};
     simulation.prepare();
     if (fill) fill_with_fines(world, fouling, seed);
+}
+
+double contaminant_index(const World& world, const ShearBox& box) {
+    if (world.has_resource<Fouling>())
+        return measure_fouling(world, present_fouling(world)).contaminant_index;
+    const auto& bed = world.resource<RockBed>();
+    const auto count = static_cast<double>(world.table<Bodies>().size() - bed.first_grain);
+    const double voids = box.area() * plate_height(world) - bed.solid_volume;
+    return 100 * count * pi / 6 * std::pow(box.fines_size, 3) *
+           (1 + box.fouling.settings.void_ratio) / voids;
 }
 
 } // namespace bris

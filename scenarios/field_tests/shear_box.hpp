@@ -28,6 +28,8 @@ struct ShearBox {
     std::vector<double> vci{0};
     double displacement = 0.03, speed = 0.03, interval = 1e-4;
     double safety = 0.5, tolerance = 2e-3;
+    std::string fines = "field";
+    double fines_size = 0.01, fines_friction = 0.5;
     FoulingOptions fouling = {.settings = {.voxel = 0.01}};
     WriteOption written = {};
 
@@ -76,14 +78,20 @@ struct ShearTest {
 };
 
 /// Fills the voids of a made specimen with fines, where the test or the options ask for them. With
-/// `fill` false only the fields are added, for a checkpoint to be loaded.
+/// `fill` false only the fields are added, for a checkpoint to be loaded. Fines as grains are
+/// bodies instead.
 void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& test,
                std::uint64_t seed, bool fill);
+
+/// Void contaminant index (%) of a test at present: of its field, or of its grains, with the void
+/// ratio that fines have in place.
+double contaminant_index(const World& world, const ShearBox& box);
 
 /// Columns of the samples of a test.
 std::vector<RunFile::Column> shear_columns();
 
-/// Phases of a test on a made specimen: consolidation under the normal stress, and shear. `curve`
+/// Phases of a test on a made specimen: growth of fines that are grains, consolidation under the
+/// normal stress, and shear. `curve`
 /// gets a sample at the beginning and after each interval of displacement; `frame` is called at
 /// each tenth of the displacement. Both must outlive the phases.
 std::vector<Phase> shear_phases(const ShearBox& box, const ShearTest& test, Series& curve,
@@ -136,6 +144,13 @@ void ShearBox::describe(auto& option) {
            "the true one when shearing begins.",
            within(0.05, 0.8));
     fouling.describe(option);
+    option(
+        "fines", fines, "",
+        "Fines of --vci as a field that weakens contacts by the laws above, or as grains: spheres "
+        "that fill the same part of the voids and move and carry forces as rocks do.",
+        {"field", "grains"});
+    option("fines_size", fines_size, "m", "Diameter of the grains.", within(1e-3, 0.02));
+    option("fines_friction", fines_friction, "", "Friction between grains.", within(0, 2));
     option.group("Files");
     written.describe(option, write_of_clumps);
 }

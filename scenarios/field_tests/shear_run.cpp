@@ -6,6 +6,7 @@
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
+#include "scenarios/field_tests/grains.hpp"
 #include "scenarios/field_tests/shear_box.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
@@ -50,7 +51,9 @@ BoxForces forces_of(const World& world, double plane) {
     const auto mass = world.column<Bodies, Mass>();
     const auto position = world.column<Bodies, Position>();
     const double g = -world.resource<Gravity>().value.z();
-    for (const EntityId id : bed.rocks) {
+    std::vector<EntityId> moving = bed.rocks;
+    for (auto id = bed.first_grain; id < rows.size(); ++id) moving.push_back(id);
+    for (const EntityId id : moving) {
         f.weight += g * mass[rows[id]];
         if (position[rows[id]].z() < plane) f.below += g * mass[rows[id]];
     }
@@ -116,9 +119,7 @@ Phase consolidate(const ShearBox& box, const ShearTest& test, Series& curve,
                 if (state.steps >= least_consolidation && error < 0.01 &&
                     unbalanced < box.tolerance) {
                     state.start_height = plate_height(world);
-                    if (world.has_resource<Fouling>())
-                        state.start_vci =
-                            measure_fouling(world, present_fouling(world)).contaminant_index;
+                    state.start_vci = contaminant_index(world, box);
                     add_sample(world, box, forces_of(world, box.plane()), curve);
                     frame(world);
                     return false;
@@ -241,7 +242,11 @@ std::vector<RunFile::Column> shear_columns() {
 
 std::vector<Phase> shear_phases(const ShearBox& box, const ShearTest& test, Series& curve,
                                 const std::function<void(const World&)>& frame) {
-    return {consolidate(box, test, curve, frame), shear(box, test, curve, frame)};
+    std::vector<Phase> phases;
+    if (box.fines == "grains") phases.push_back(grow_grains(box.fines_size, box.safety));
+    phases.push_back(consolidate(box, test, curve, frame));
+    phases.push_back(shear(box, test, curve, frame));
+    return phases;
 }
 
 } // namespace bris

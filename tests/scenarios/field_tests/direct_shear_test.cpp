@@ -195,6 +195,42 @@ TEST_SUITE("direct_shear") {
         resumed.go();
         CHECK(resumed.fingerprint() == one.fingerprint());
         CHECK(resumed.curve.column("shear_stress") == one.curve.column("shear_stress"));
+
+        // fines as grains, which carry forces and have weight
+        ShearBox with_grains = box;
+        with_grains.fines = "grains";
+        const auto grained = [&](unsigned threads) {
+            auto run = std::make_unique<ShearedBox>(with_grains,
+                                                    ShearTest{.normal_stress = 50e3, .vci = 20},
+                                                    fresh(threads), folder.path());
+            return run;
+        };
+        const auto grains = grained(1);
+        grains->simulation.restore(made);
+        add_fines(grains->simulation, with_grains, grains->test, 1, true);
+        grains->go("grains");
+        CHECK_FALSE(grains->world().has_resource<Fouling>());
+        CHECK(grains->world().resource<ShearState>().start_vci == about(20).epsilon(0.05));
+        const auto number =
+            grains->world().table<Bodies>().size() - clean.world().table<Bodies>().size();
+        const auto &weight = grains->curve.column("weight_of_rocks"),
+                   &without = clean.curve.column("weight_of_rocks");
+        CHECK(weight[0] - without[0] == about(9.81 * with_grains.fouling.settings.density *
+                                              static_cast<double>(number) * pi / 6 * 1e-6));
+        const ShearProperties g = properties_of(grains->curve);
+        CHECK(g.shear_imbalance < 0.03);
+        CHECK(g.normal_imbalance < 0.03);
+        CHECK(g.energy_error < 2e-3);
+        const auto by_two = grained(2);
+        by_two->simulation.restore(made);
+        add_fines(by_two->simulation, with_grains, by_two->test, 1, true);
+        by_two->go();
+        CHECK(by_two->fingerprint() == grains->fingerprint());
+        const auto continued = grained(1);
+        add_fines(continued->simulation, with_grains, continued->test, 1, false);
+        continued->run.resume(folder / "grains.ckpt.h5");
+        continued->go();
+        CHECK(continued->fingerprint() == grains->fingerprint());
     }
 
     TEST_CASE("peak, residual stress and dilation angle of a known curve are found") {
@@ -246,6 +282,13 @@ TEST_SUITE("direct_shear") {
                   b.vci = {0, 20};
                   b.fouling.p4 = 5;
               }).find("--vci") == 0);
+        ShearBox packed = small_box();
+        packed.fines = "grains";
+        packed.fines_size = 1e-3;
+        Simulation simulation = make_shear_box(packed, 1, 1, false);
+        CHECK(refusal_of([&] {
+                  add_fines(simulation, packed, {.vci = 140}, 1, true);
+              }).find("--fines-size") == 0);
         ShearBox narrow = small_box();
         narrow.least_box = 6;
         CHECK(refusal_of([&] { (void)make_shear_box(narrow, 1, 1, false); }).find("--least-box") !=
