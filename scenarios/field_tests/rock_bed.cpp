@@ -102,9 +102,12 @@ void place_rocks(World& world) {
             const Vec3 half = 0.5 * bed.settings.size - Vec3::Constant(size);
             const Vec3 x(random.uniform(-half.x(), half.x()), random.uniform(-half.y(), half.y()),
                          random.uniform(size, bed.lid - size));
-            if (bed.tie != nobody &&
-                ((x - tie).cwiseAbs() - 0.5 * bed.tie_size).cwiseMax(0).norm() < size)
-                continue;
+            if (bed.tie != nobody) {
+                Vec3 outside = (x - tie).cwiseAbs() - 0.5 * bed.tie_size;
+                // above the tie a rock would have no room to grow below the lid
+                if (x.z() > tie.z()) outside.z() = 0;
+                if (outside.cwiseMax(0).norm() < size) continue;
+            }
             if (std::ranges::any_of(filled, [&](const auto& other) {
                     const double apart = size + other.second;
                     return (other.first - x).squaredNorm() < apart * apart;

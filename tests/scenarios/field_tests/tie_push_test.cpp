@@ -1,10 +1,19 @@
 // Push of a short tie through a small bed.
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "engine/run.hpp"
 #include "scenarios/field_tests/tie_bed.hpp"
 #include "scenarios/specimens/bench.hpp"
+#include "tests/about.hpp"
+#include "tests/support.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 using namespace bris;
+using namespace bris::testing;
 
 namespace {
 
@@ -25,6 +34,56 @@ TieBed small_bed() {
 } // namespace
 
 TEST_SUITE("tie_push") {
+    TEST_CASE(
+        "a short tie is carried by its bed, which resists its push at base, crib and end, less "
+        "without a shoulder, with the same bits for any threads") {
+        const TemporaryDirectory folder;
+        Common common;
+        common.scenario = "tie_push";
+        common.out = folder.path();
+        common.quiet = true;
+        const TieBed bed = small_bed();
+        Simulation making = make_tie_bed(bed, 1, 2, false);
+        Run(making, common, "specimen").go(make_bed_phases());
+        const Archive made = making.snapshot();
+        CHECK(std::as_const(making).world().resource<RockBedState>().porosity ==
+              about(bed.porosity).epsilon(bed.porosity_tolerance / bed.porosity));
+
+        struct Pushed {
+            Series curve;
+            std::uint64_t fingerprint;
+        };
+        const auto push = [&](bool with_shoulder, unsigned threads) {
+            Simulation simulation = make_tie_bed(bed, 1, threads, false);
+            simulation.restore(made);
+            Series curve("push", push_columns());
+            Run(simulation, common, "tie_push")
+                .go(push_phases(bed, {.with_shoulder = with_shoulder}, curve, [](const World&) {}));
+            return Pushed{curve, fingerprint(simulation.snapshot())};
+        };
+        const Pushed with = push(true, 1), without = push(false, 1);
+        const auto mean_of_last = [](const Series& curve, const char* column) {
+            const auto& values = curve.column(column);
+            double sum = 0;
+            for (std::size_t k = values.size() - 10; k < values.size(); ++k) sum += values[k] / 10;
+            return sum;
+        };
+        for (const Pushed* run : {&with, &without}) {
+            CHECK(run->curve.column("support").front() ==
+                  about(9.81 * bed.tie_mass).epsilon(0.02)); // at rest
+            CHECK(run->curve.column("displacement").back() >= bed.displacement);
+            const double force = mean_of_last(run->curve, "force");
+            CHECK(force > 0.3 * 9.81 * bed.tie_mass);
+            double parts = 0;
+            for (const char* part : {"base_force", "crib_force", "end_force", "other_force"})
+                parts += mean_of_last(run->curve, part);
+            CHECK(parts == about(force).epsilon(1e-9));
+        }
+        CHECK(mean_of_last(without.curve, "force") < mean_of_last(with.curve, "force"));
+        CHECK(mean_of_last(with.curve, "end_force") > mean_of_last(without.curve, "end_force"));
+        CHECK(push(true, 2).fingerprint == with.fingerprint);
+    }
+
     TEST_CASE("settings of a tie that do not fit together are refused by name") {
         TieBed close = small_bed();
         close.spacing = 0.3;
