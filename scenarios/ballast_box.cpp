@@ -243,15 +243,21 @@ void run(const BallastBox& box, const Common& common) {
     phases.push_back(save_bed(run));
     for (Phase& phase : test.seating()) phases.push_back(std::move(phase));
     StepCount before_loading; // of this process
+    std::vector<Vec3> at_beginning;
+    std::string since = "since the run was resumed";
+    if (run.is_resumed()) at_beginning = positions_in_frame(world);
     Phase loading = test.loading(run, samples, [&] { frames.add(world); });
     loading.begin = [&, begin = loading.begin](Simulation& s) {
         before_loading = s.count();
+        at_beginning = positions_in_frame(s.world());
+        since = "since the cycles began";
         begin(s);
     };
     phases.push_back(std::move(loading));
     run.go(phases);
     const auto first = cycle_responses(samples, 1), other = cycle_responses(samples, 2);
     draw(world, box, samples, first, common);
+    draw_displacements(world, at_beginning, common.out / "displacement.png", since);
     samples.write_csv(common.out / "samples.csv");
     write_cycles(common.out / "cycles.csv", box, first);
     samples.write_track(frames.file());

@@ -42,8 +42,8 @@ FieldSet fields_of(const World& world, const FieldSetSettings& settings);
 void write_fields(const FieldSet& set, const std::filesystem::path& folder, const std::string& name,
                   double time, const std::vector<NamedValue>& meta);
 
-/// Draws a vertical slice through the middle of the ballast, one panel for each field named that
-/// exists. Returns false, with a line on stderr, if it cannot be drawn.
+/// Draws a vertical slice through the middle of the ballast along its longer side, one panel for
+/// each field named that exists. Returns false, with a line on stderr, if it cannot be drawn.
 bool draw_slice(const FieldSet& set, const std::vector<std::string>& names,
                 const std::filesystem::path& png);
 
