@@ -174,6 +174,7 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
 
 void run(const TrackPassage& t, const Common& common) {
     const Train train = train_named(t.train);
+    if (t.first_train != "none") (void)train_named(t.first_train, "--first-train");
     Simulation simulation = make_box_simulation(t.box, common);
     const World& world = simulation.world();
     BoxTestRun test(simulation, t.box, common.seed);

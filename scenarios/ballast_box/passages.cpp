@@ -51,9 +51,9 @@ Phase save_bed(const BoxTestRun& test, const Run& run) {
                 }};
 }
 
-Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& train,
+/// A train that passes; number 0: the first train, of which nothing is recorded.
+Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& train, double speed,
            unsigned number, Series& samples, const PassageActions& actions, const Run& run) {
-    const double speed = settings.train_speed();
     const RailOnTies rails = settings.rails();
     const double duration = passing_time(train, speed, rails);
     return {.advance =
@@ -62,20 +62,23 @@ Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& tr
                     if (since(s.world()) < duration) {
                         s.advance(steps);
                         (void)checked_stable_step(s.world());
-                        add_sample(s.world(), number, samples);
-                        if (run.steps_in_phase() / steps % samples_per_frame == 0) actions.frame();
+                        if (number > 0) add_sample(s.world(), number, samples);
+                        if (number > 0 && run.steps_in_phase() / steps % samples_per_frame == 0)
+                            actions.frame();
                         if (since(s.world()) < duration) return true;
                     }
-                    actions.completed(number);
+                    if (number > 0) actions.completed(number);
                     return false;
                 },
             .progress =
                 [=](const World& world) {
-                    return PhaseProgress{fmt::format("passage {}", number), since(world) / duration,
+                    const std::string name =
+                        number > 0 ? fmt::format("passage {}", number) : "first train";
+                    return PhaseProgress{name, since(world) / duration,
                                          fmt::format("{:.2f} of {:.2f} s", since(world), duration)};
                 },
             .begin =
-                [=, &test, &train](Simulation& s) {
+                [=, &test](Simulation& s) {
                     test.begin_passage(s.world(), passing_load(train, speed, rails, dead_load));
                 }};
 }
@@ -91,9 +94,14 @@ std::vector<RunFile::Column> passage_columns() {
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
                                   const TrackPassage& settings, const Train& train, Series& samples,
                                   const PassageActions& actions) {
-    std::vector<Phase> phases{save_bed(test, run)};
+    std::vector<Phase> phases;
+    if (settings.first_train != "none")
+        phases.push_back(pass(test, settings, train_named(settings.first_train, "--first-train"),
+                              settings.speed_of(settings.first_train), 0, samples, actions, run));
+    phases.push_back(save_bed(test, run));
     for (unsigned number = 1; number <= settings.passages; ++number)
-        phases.push_back(pass(test, settings, train, number, samples, actions, run));
+        phases.push_back(
+            pass(test, settings, train, settings.train_speed(), number, samples, actions, run));
     return phases;
 }
 

@@ -14,13 +14,16 @@ namespace bris {
 /// Settings of trains that pass over one tie of a bay of track.
 struct TrackPassage {
     BallastBox box = {.model = "bay", .porosity = 0.42};
-    std::string train = "passenger";
+    std::string train = "passenger", first_train = "none";
     double speed = 0;
     unsigned passages = 2;
 
     void describe(auto& option);
 
-    double train_speed() const { return speed > 0 ? speed : train == "passenger" ? 31.3 : 20.0; }
+    double speed_of(const std::string& name) const {
+        return speed > 0 ? speed : name == "passenger" ? 31.3 : 20.0;
+    }
+    double train_speed() const { return speed_of(train); }
     RailOnTies rails() const { return {box.rail_bending, box.tie_support, tie_spacing}; }
 };
 
@@ -33,9 +36,9 @@ struct PassageActions {
     std::function<void(unsigned number)> completed; ///< passages count from 1
 };
 
-/// The phases after the preparation of the box: the finished bed is saved as bed.ckpt.h5, then the
-/// train passes `passages` times. `samples` has passage_columns(). All references must outlive the
-/// phases.
+/// The phases after the preparation of the box: the first train passes, if there is one, the
+/// finished bed is saved as bed.ckpt.h5, then the train passes `passages` times. `samples` has
+/// passage_columns(). All references must outlive the phases.
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
                                   const TrackPassage& settings, const Train& train, Series& samples,
                                   const PassageActions& actions);
@@ -52,16 +55,19 @@ PassageResponse passage_response(const Series& samples, unsigned number);
 
 void TrackPassage::describe(auto& option) {
     option.group("Train");
-    option(
-        "train", train, "",
-        "Train: passenger, freight, inspection (assets/trains), or the path of a CSV file with the "
-        "columns position_m and axle_load_kN.");
+    option("train", train, "",
+           "Train: passenger, freight, inspection, locomotive (assets/trains), or the path of a "
+           "CSV file with the "
+           "columns position_m and axle_load_kN.");
     option("speed", speed, "m/s",
            "Speed of the train. 0: 31.3 m/s (70 mph) for passenger, 20 m/s for others.",
            within(0, 120));
     option("passages", passages, "",
            "Passages of the train one after the other; the first one on a new bed settles it.",
            within(1, 1000));
+    option("first_train", first_train, "",
+           "Train that passes once over the new bed to settle it, before the bed is saved and "
+           "without being recorded; none: no such train.");
     option.group("Ballast");
     option("run", box.run, "",
            "State of the ballast, as in the runs of table 1 of the report: I.2 clean, I.4 without "
