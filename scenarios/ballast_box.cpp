@@ -201,17 +201,27 @@ void write_sensors(Summary& summary, const World& world, const Common& common) {
                       "that at the end of the run"});
 }
 
-/// The finished bed serves every run of table 1.
-Phase save_bed(const Run& run) {
-    return {.advance =
-                [&run](Simulation&) {
-                    run.save_as("bed");
-                    return false;
-                },
-            .progress =
-                [](const World&) {
-                    return PhaseProgress{"save the bed", 1, ""};
-                }};
+void summarise(Summary& summary, const World& world, const BallastBox& box, const Series& samples,
+               const Common& common) {
+    const auto first = cycle_responses(samples, 1), other = cycle_responses(samples, 2);
+    std::size_t rocks = 0;
+    for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
+    summary.add("rocks", rocks);
+    summary.add("cycles_done", first.size());
+    summary.add("peak_load_kN", 1e-3 * box.peak());
+    summary.add("load_share_of_model", box_sizes(box).share);
+    summary.add("truncated_mass_fraction", world.resource<BoxBodies>().truncated_fraction);
+    add_bed(summary, world);
+    if (world.has_resource<Fouling>()) add_fouling(summary, world, common);
+    add_cycles(summary, box, first, other);
+    summary.add("inertial_share_of_load", inertial_share(samples));
+    const auto &pressure = samples.column("bladder_pressure"),
+               &moved = samples.column("bladder_displacement");
+    summary.add("bladder_pressure_largest_kPa", 1e-3 * std::ranges::max(pressure));
+    summary.add("bladder_displacement_largest_mm", 1e3 * std::ranges::max(moved));
+    summary.add("subgrade_settlement_largest_mm",
+                1e3 * std::ranges::max(samples.column("subgrade_settlement")));
+    write_sensors(summary, world, common);
 }
 
 /// Settings that may differ from those of the checkpoint: of a bed all that act after it was made.
@@ -255,7 +265,7 @@ void run(const BallastBox& box, const Common& common) {
     };
     phases.push_back(std::move(loading));
     run.go(phases);
-    const auto first = cycle_responses(samples, 1), other = cycle_responses(samples, 2);
+    const auto first = cycle_responses(samples, 1);
     draw(world, box, samples, first, common);
     draw_displacements(world, at_beginning, common.out / "displacement.png", since);
     samples.write_csv(common.out / "samples.csv");
@@ -264,27 +274,10 @@ void run(const BallastBox& box, const Common& common) {
     frames.file().close();
 
     Summary summary;
-    std::size_t rocks = 0;
-    for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
-    summary.add("rocks", rocks);
-    summary.add("cycles_done", first.size());
-    summary.add("peak_load_kN", 1e-3 * box.peak());
-    summary.add("load_share_of_model", box_sizes(box).share);
-    summary.add("truncated_mass_fraction", world.resource<BoxBodies>().truncated_fraction);
-    add_bed(summary, world);
-    if (world.has_resource<Fouling>()) add_fouling(summary, world, common);
-    add_cycles(summary, box, first, other);
+    summarise(summary, world, box, samples, common);
     add_cost(summary, test, before_loading, simulation.count());
-    summary.add("inertial_share_of_load", inertial_share(samples));
-    const auto &pressure = samples.column("bladder_pressure"),
-               &moved = samples.column("bladder_displacement");
-    summary.add("bladder_pressure_largest_kPa", 1e-3 * std::ranges::max(pressure));
-    summary.add("bladder_displacement_largest_mm", 1e3 * std::ranges::max(moved));
-    summary.add("subgrade_settlement_largest_mm",
-                1e3 * std::ranges::max(samples.column("subgrade_settlement")));
     summary.add("time_step_s", world.resource<Clock>().dt);
     summary.add("stable_step_s", last.stable_step());
-    write_sensors(summary, world, common);
     add_quantities(summary, last.quantities());
     run.describe(summary);
     report_results(common, summary);

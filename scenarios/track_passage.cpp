@@ -184,15 +184,19 @@ void run(const TrackPassage& t, const Common& common) {
     run.keep(samples);
     run.keep(last);
     std::vector<std::string_view> may_differ{"passages"};
-    if (common.resume.filename() == "bed.ckpt.h5") // the finished bed serves any train
-        may_differ.insert(may_differ.end(), {"train", "speed_m_per_s"});
+    if (common.resume.filename() == "bed.ckpt.h5") { // the finished bed serves any train and state
+        may_differ.insert(may_differ.end(), {"train", "speed_m_per_s", "run", "saturation"});
+        for (const NamedValue& setting : common.settings)
+            if (setting.key.starts_with("fouling_")) may_differ.push_back(setting.key);
+    }
     resume_box(run, simulation, t.box, common, may_differ);
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,
                        t.box.written.extras());
     const PassageActions actions{
         .frame = [&] { frames.add(world); },
         .completed = [&](unsigned number) { write_passage(world, t, number, common.out); }};
-    std::vector<Phase> phases = test.preparation();
+    std::vector<Phase> phases = test.making_of_bed();
+    phases.push_back(test.seat());
     for (Phase& phase : passage_phases(test, run, t, train, samples, actions))
         phases.push_back(std::move(phase));
     run.go(phases);

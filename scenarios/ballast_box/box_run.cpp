@@ -102,7 +102,16 @@ std::vector<Phase> BoxTestRun::making_of_bed() const {
 }
 
 std::vector<Phase> BoxTestRun::seating() const {
-    std::vector<Phase> phases{seat()};
+    std::vector<Phase> phases;
+    if (is_fouled()) phases.push_back(foul_bed());
+    phases.push_back(seat());
+    if (!box_test(box_.run).confined) phases.push_back(remove_shoulder());
+    return phases;
+}
+
+std::vector<Phase> BoxTestRun::changes_in_use() const {
+    std::vector<Phase> phases;
+    if (is_fouled()) phases.push_back(foul_track());
     if (!box_test(box_.run).confined) phases.push_back(remove_shoulder());
     return phases;
 }

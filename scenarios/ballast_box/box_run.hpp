@@ -20,8 +20,14 @@ public:
 
     /// The bed is made in the same way for all runs of table 1.
     std::vector<Phase> making_of_bed() const;
+    /// Fines and water are put into the bed, the ties are seated, the shoulder is removed, as far
+    /// as the run asks for it.
     std::vector<Phase> seating() const;
     std::vector<Phase> preparation() const; ///< both
+    /// The ties are laid on the bed and loaded, until all is at rest.
+    Phase seat() const;
+    /// Fines, water and the loss of the shoulder come to a track that is in use.
+    std::vector<Phase> changes_in_use() const;
     /// Steps of the load cycles, and of one of them. The dynamic model needs the time step, which
     /// is chosen when the ties are seated, so that it is known in the last phase only.
     std::uint64_t steps_per_cycle() const;
@@ -41,8 +47,10 @@ private:
     Phase pour(std::size_t course) const;
     Phase compact(std::size_t course) const;
     Phase harden() const;
-    Phase seat() const;
+    Phase foul_bed() const;
+    Phase foul_track() const;
     Phase remove_shoulder() const;
+    bool is_fouled() const { return fouling_of(box_).any(); }
 
     /// Ends the scaling of masses with which the bed is made.
     void take_true_masses(World& world) const;
@@ -81,6 +89,9 @@ private:
     std::uint64_t seed_;
     double hard_step_; ///< s, of contacts at full stiffness
 };
+
+/// Saves the finished bed as bed.ckpt.h5, for other runs on it. The run must outlive the phase.
+Phase save_bed(const Run& run);
 
 /// N, weight on a whole tie of both rails (67 kg/m each) and fastenings along its spacing.
 inline constexpr double dead_load = 2 * 67 * 9.81 * tie_spacing;

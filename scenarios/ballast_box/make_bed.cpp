@@ -218,6 +218,18 @@ Phase BoxTestRun::compact(std::size_t course) const {
             .begin = [this, lift](Simulation& s) { begin_compaction(s.world(), lift); }};
 }
 
+Phase save_bed(const Run& run) {
+    return {.advance =
+                [&run](Simulation&) {
+                    run.save_as("bed");
+                    return false;
+                },
+            .progress =
+                [](const World&) {
+                    return PhaseProgress{"save the bed", 1, ""};
+                }};
+}
+
 // overlaps that the soft contacts have under the weight of the ballast become forces; in small
 // stages, with strong dashpots, the bed follows
 Phase BoxTestRun::harden() const {

@@ -38,19 +38,6 @@ void add_sample(const World& world, unsigned number, Series& samples) {
                  balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio});
 }
 
-Phase save_bed(const BoxTestRun& test, const Run& run) {
-    return {.advance =
-                [&test, &run](Simulation& s) {
-                    test.note_bed(s.world());
-                    run.save_as("bed");
-                    return false;
-                },
-            .progress =
-                [](const World&) {
-                    return PhaseProgress{"save the bed", 1, ""};
-                }};
-}
-
 /// A train that passes; number 0: the first train, of which nothing is recorded.
 Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& train, double speed,
            unsigned number, Series& samples, const PassageActions& actions, const Run& run) {
@@ -98,7 +85,10 @@ std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
     if (settings.first_train != "none")
         phases.push_back(pass(test, settings, train_named(settings.first_train, "--first-train"),
                               settings.speed_of(settings.first_train), 0, samples, actions, run));
-    phases.push_back(save_bed(test, run));
+    Phase save = save_bed(run);
+    save.begin = [&test](Simulation& s) { test.note_bed(s.world()); };
+    phases.push_back(std::move(save));
+    for (Phase& phase : test.changes_in_use()) phases.push_back(std::move(phase));
     for (unsigned number = 1; number <= settings.passages; ++number)
         phases.push_back(
             pass(test, settings, train, settings.train_speed(), number, samples, actions, run));

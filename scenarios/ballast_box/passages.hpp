@@ -36,9 +36,10 @@ struct PassageActions {
     std::function<void(unsigned number)> completed; ///< passages count from 1
 };
 
-/// The phases after the preparation of the box: the first train passes, if there is one, the
-/// finished bed is saved as bed.ckpt.h5, then the train passes `passages` times. `samples` has
-/// passage_columns(). All references must outlive the phases.
+/// The phases after a clean and confined bed was made and its tie seated: the first train passes,
+/// if there is one, the bed is saved as bed.ckpt.h5, fines and water come or the shoulder is lost
+/// as the run asks, then the train passes `passages` times. `samples` has passage_columns(). All
+/// references must outlive the phases.
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
                                   const TrackPassage& settings, const Train& train, Series& samples,
                                   const PassageActions& actions);

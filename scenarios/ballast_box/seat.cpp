@@ -109,7 +109,6 @@ void BoxTestRun::scale_tie(World& world, EntityId tie) const {
 void BoxTestRun::foul(Simulation& simulation) const {
     World& world = simulation.world();
     const FoulingOptions fouling = fouling_of(box_);
-    if (!fouling.any()) return;
     add_fields(simulation, box_);
     auto& fields = world.resource<Fouling>();
     const Vec3& bladder = value_of<Position>(world, world.resource<BoxBodies>().bladder);
@@ -131,7 +130,6 @@ void add_fields(Simulation& simulation, const BallastBox& box) {
 // the ties are laid on the ballast and loaded as at the beginning of the cycles
 void BoxTestRun::place_ties(Simulation& s) const {
     World& world = s.world();
-    foul(s);
     const auto& ties = world.resource<BoxBodies>().ties;
     for (std::size_t k = 0; k < ties.size(); ++k) {
         const Vec3 half = 0.5 * sizes_.tie;
@@ -156,6 +154,21 @@ void BoxTestRun::place_ties(Simulation& s) const {
 }
 
 std::uint64_t BoxTestRun::ramp_steps() const { return box_.is_dynamic() ? 10'000 : 3000; }
+
+Phase BoxTestRun::foul_bed() const {
+    return {.advance = [](Simulation&) { return false; },
+            .progress =
+                [](const World&) {
+                    return PhaseProgress{"foul the bed", 1, ""};
+                },
+            .begin = [this](Simulation& s) { foul(s); }};
+}
+
+Phase BoxTestRun::foul_track() const {
+    constexpr std::uint64_t least = 1000; // steps, within which weaker contacts begin to slide
+    return until_rest(
+        "foul the track", least, [this](Simulation& s) { foul(s); }, nullptr);
+}
 
 Phase BoxTestRun::seat() const {
     return until_rest(

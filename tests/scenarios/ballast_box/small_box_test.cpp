@@ -52,18 +52,16 @@ public:
         run.keep(samples);
     }
     const World& world() const { return simulation.world(); }
-    void make_bed() {
-        auto phases = test.preparation();
-        phases.pop_back();
-        run.go(phases);
-    }
+    void make_bed() { run.go(test.making_of_bed()); }
     /// Seats the ties and applies the cycles.
     void load(const char* checkpoint_after_first = nullptr) {
         bool saved = checkpoint_after_first == nullptr;
-        run.go({test.preparation().back(), test.loading(run, samples, [&, this] {
-                    if (!saved) run.save_as(checkpoint_after_first);
-                    saved = true;
-                })});
+        std::vector<Phase> phases = test.seating();
+        phases.push_back(test.loading(run, samples, [&, this] {
+            if (!saved) run.save_as(checkpoint_after_first);
+            saved = true;
+        }));
+        run.go(phases);
     }
     std::uint64_t fingerprint() const { return bris::fingerprint(simulation.snapshot()); }
 
@@ -135,6 +133,25 @@ TEST_SUITE("ballast_box") {
         wet.load();
         CHECK_FALSE(wet.world().has_resource<Fouling>());
         CHECK(wet.fingerprint() == one.fingerprint());
+
+        // fines and water come to a track in use, which then loses its shoulder
+        SmallRun used(small_box("II.4"), 1, folder.path());
+        used.simulation.restore(made);
+        std::vector<Phase> phases{used.test.seat()};
+        double before = 0;
+        for (Phase& phase : used.test.changes_in_use()) phases.push_back(std::move(phase));
+        REQUIRE(phases.size() == 3);
+        phases[1].begin = [&, begin = phases[1].begin](Simulation& s) {
+            before = value_of<Position>(s, s.world().resource<BoxBodies>().ties.front()).z();
+            begin(s);
+        };
+        used.run.go(phases);
+        CHECK(measure_fouling(used.world(), present_fouling(used.world())).saturation > 80);
+        CHECK(used.world().resource<BoxState>().seat_support == about(1).epsilon(0.01));
+        const auto& bodies = used.world().resource<BoxBodies>();
+        CHECK(value_of<Position>(used.simulation, bodies.ties.front()).z() < before);
+        CHECK(value_of<Position>(used.simulation, bodies.bladder).y() >
+              value_of<Position>(one.simulation, bodies.bladder).y() + 0.2);
 
         const auto fouled_run = [&](const char* name) {
             auto run = std::make_unique<SmallRun>(small_box(name), 1, folder.path());

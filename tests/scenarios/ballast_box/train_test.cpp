@@ -86,6 +86,7 @@ TEST_SUITE("ballast_box") {
         refused("0,100\n2,-\n",
                 "train.csv:3: expected an axle_load_kN above 0 and at most 500, found nan");
         CHECK_THROWS_WITH_AS(train_named("tram"),
-                             doctest::Contains("freight, inspection, passenger"), InputError);
+                             doctest::Contains("freight, inspection, locomotive, passenger"),
+                             InputError);
     }
 }
