@@ -54,8 +54,11 @@ private:
 
     /// Ends the scaling of masses with which the bed is made.
     void take_true_masses(World& world) const;
-    static EntityId plate_of(const World& world, std::size_t lift);
-    double plate_force(std::size_t lift) const; ///< N, mean
+    static const std::vector<CompactionPlate>& plates_of(const World& world, std::size_t lift);
+    /// m, mean height of the lower sides of the plates.
+    static double plates_height(const World& world, std::size_t lift);
+    void load_plates(World& world, std::size_t lift, const LoadHistory& history) const;
+    double plate_force(const World& world, std::size_t lift) const; ///< N, mean, of one plate
     void begin_compaction(World& world, std::size_t lift) const;
     /// Returns false when the lift is compacted.
     bool compact_further(World& world, std::size_t lift) const;

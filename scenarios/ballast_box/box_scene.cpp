@@ -117,18 +117,31 @@ void add_tie_bodies(World& world, const BoxSizes& s, BoxBodies& bodies, std::uin
     }
 }
 
-/// Plates that compact the lifts: the first one to the wall, the others to the bladder.
+/// Plates that compact the lifts: those of the first one reach to the wall, those of the others to
+/// the bladder. A large surface has several, since a single rigid plate would rest on few rocks.
 void add_plates(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_t material) {
-    constexpr double mass_of_area = 150; // kg/m2
+    constexpr double mass_of_area = 150;                   // kg/m2
+    constexpr double along = 1.3, across = 1.7;            // m, usual sides
+    constexpr double margin = 0.1, gap = 1e-3, rim = 0.01; // m
     for (const bool first : {true, false}) {
-        const Vec3 size(s.width + 0.2, (first ? s.across : s.bladder_face()) - 0.02,
-                        plate_thickness);
-        EntityId& plate = bodies.plates[first ? 0 : 1];
-        plate =
-            add_block(world, Vec3(s.width / 2, size.y() / 2 + 0.01, parked + (first ? 1 : 1.5)),
-                      Quat(Quat::Identity()), size, mass_of_area * s.width * size.y(), material);
-        add_guides(world, plate, true, true);
-        add_load(world, plate, {.force = Vec3(0, 0, -1), .history = {.mean = 0}});
+        const double depth = (first ? s.across : s.bladder_face()) - 2 * rim;
+        const int columns = std::max(1, static_cast<int>(std::round(s.width / along))),
+                  rows = std::max(1, static_cast<int>(std::round(depth / across)));
+        const double lx = s.width / columns, ly = depth / rows;
+        for (int i = 0; i < columns; ++i)
+            for (int j = 0; j < rows; ++j) {
+                const double x0 = i == 0 ? -margin : i * lx + gap,
+                             x1 = i + 1 == columns ? s.width + margin : (i + 1) * lx - gap,
+                             y0 = rim + (j == 0 ? 0 : j * ly + gap),
+                             y1 = rim + (j + 1 == rows ? depth : (j + 1) * ly - gap);
+                const Vec3 size(x1 - x0, y1 - y0, plate_thickness);
+                const EntityId plate =
+                    add_block(world, Vec3((x0 + x1) / 2, (y0 + y1) / 2, parked + (first ? 1 : 1.5)),
+                              Quat(Quat::Identity()), size, mass_of_area * lx * ly, material);
+                add_guides(world, plate, true, true);
+                add_load(world, plate, {.force = Vec3(0, 0, -1), .history = {.mean = 0}});
+                bodies.plates[first ? 0 : 1].push_back({plate, Vec3(x0, y0, 0), Vec3(x1, y1, 0)});
+            }
     }
 }
 
@@ -254,7 +267,9 @@ World make_box_world(const BallastBox& box, std::uint64_t seed) {
     plan_rocks(box, s, bodies, static_cast<EntityId>(world.table<Bodies>().size()), seed);
     value_of<Position>(world, bodies.bladder).z() += parked + 2;
     std::vector<EntityId> waiting = bodies.ties;
-    waiting.insert(waiting.end(), {bodies.plates[0], bodies.plates[1], bodies.bladder});
+    waiting.push_back(bodies.bladder);
+    for (const auto& plates : bodies.plates)
+        for (const CompactionPlate& plate : plates) waiting.push_back(plate.body);
     for (const EntityId body : waiting)
         value_of<MotionOf>(world, body) = static_cast<std::uint32_t>(Motion::fixed);
 

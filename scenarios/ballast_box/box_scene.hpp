@@ -25,6 +25,12 @@ struct PlannedRock {
     double sieve;
 };
 
+/// A plate that compacts lifts, and the corners of the rectangle below it, m.
+struct CompactionPlate {
+    EntityId body;
+    Vec3 low, high;
+};
+
 /// Bodies of a ballast box.
 struct BoxBodies {
     static constexpr auto name = "box_bodies";
@@ -34,10 +40,10 @@ struct BoxBodies {
     std::vector<BoxSensor> sensors;
     std::vector<EntityId> ties, subgrade;
     EntityId bladder = nobody;
-    std::array<EntityId, 2> plates{nobody, nobody}; ///< for the first lift, for the others
-    std::uint32_t rock = 0;                         ///< material
-    std::vector<Material> hard;                     ///< materials at full stiffness
-    double solid_volume = 0;                        ///< m3, of all rocks
+    std::array<std::vector<CompactionPlate>, 2> plates; ///< for the first lift, for the others
+    std::uint32_t rock = 0;                             ///< material
+    std::vector<Material> hard;                         ///< materials at full stiffness
+    double solid_volume = 0;                            ///< m3, of all rocks
     double truncated_fraction = 0; ///< mass fraction of the grading that is left out
 };
 

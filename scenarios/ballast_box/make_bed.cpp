@@ -118,8 +118,21 @@ double BoxTestRun::porosity_between(const World& world, double low, double high)
                     line_pitch);
 }
 
-EntityId BoxTestRun::plate_of(const World& world, std::size_t lift) {
+const std::vector<CompactionPlate>& BoxTestRun::plates_of(const World& world, std::size_t lift) {
     return world.resource<BoxBodies>().plates[lift == 0 ? 0 : 1];
+}
+
+double BoxTestRun::plates_height(const World& world, std::size_t lift) {
+    const auto& plates = plates_of(world, lift);
+    double height = 0;
+    for (const CompactionPlate& plate : plates)
+        height += world.column<Bodies, Position>()[row_of_body(world, plate.body)].z();
+    return height / static_cast<double>(plates.size()) - plate_thickness / 2;
+}
+
+void BoxTestRun::load_plates(World& world, std::size_t lift, const LoadHistory& history) const {
+    for (const CompactionPlate& plate : plates_of(world, lift))
+        set_load(world, plate.body, history);
 }
 
 double BoxTestRun::porosity_of_lift(const World& world, std::size_t lift) const {
@@ -127,9 +140,7 @@ double BoxTestRun::porosity_of_lift(const World& world, std::size_t lift) const 
     const double radius = mean_radius(world),
                  // the first lift ends at the floor, the others within the one below
         low = lift == 0 ? 0 : state.surface[lift - 1] - 2 * radius,
-                 top = world.column<Bodies, Position>()[row_of_body(world, plate_of(world, lift))]
-                           .z() -
-                       plate_thickness / 2;
+                 top = plates_height(world, lift);
     return porosity_between(world, low, top);
 }
 
@@ -138,19 +149,20 @@ void BoxTestRun::begin_compaction(World& world, std::size_t lift) const {
     auto& state = world.resource<BoxState>();
     state.stage = pressing;
     state.friction = 1;
-    const EntityId plate = plate_of(world, lift);
-    Vec3 at = value_of<Position>(world, plate);
-    const double depth = lift == 0 ? sizes_.across : sizes_.bladder_face();
-    at.z() = surface_height(world, Vec3::Zero(), Vec3(sizes_.width, depth, 0), 0) +
-             plate_thickness / 2 + 1e-3;
-    release(world, plate, at);
+    for (const CompactionPlate& plate : plates_of(world, lift)) {
+        Vec3 at = value_of<Position>(world, plate.body);
+        at.z() = surface_height(world, plate.low, plate.high, 0) + plate_thickness / 2 + 1e-3;
+        release(world, plate.body, at);
+    }
     const double start = world.resource<Clock>().time();
-    set_load(world, plate, {.times = {start, start + ramp}, .values = {0, plate_force(lift)}});
+    load_plates(world, lift,
+                {.times = {start, start + ramp}, .values = {0, plate_force(world, lift)}});
 }
 
-double BoxTestRun::plate_force(std::size_t lift) const {
+double BoxTestRun::plate_force(const World& world, std::size_t lift) const {
     return box_.compaction_pressure * sizes_.width *
-           (lift == 0 ? sizes_.across : sizes_.bladder_face());
+           (lift == 0 ? sizes_.across : sizes_.bladder_face()) /
+           static_cast<double>(plates_of(world, lift).size());
 }
 
 // The plate presses the lift down and oscillates. With their friction the rocks stay as loose as
@@ -158,16 +170,16 @@ double BoxTestRun::plate_force(std::size_t lift) const {
 // goes on with full friction, whose contacts replace those that formed with little.
 bool BoxTestRun::compact_further(World& world, std::size_t lift) const {
     auto& state = world.resource<BoxState>();
-    const double now = world.resource<Clock>().time(), force = plate_force(lift);
-    const EntityId plate = plate_of(world, lift);
+    const double now = world.resource<Clock>().time(), force = plate_force(world, lift);
     const auto go_on = [&](CompactionStage stage) {
         state.stage = stage;
         state.began = now;
     };
     const auto stage = static_cast<int>(state.stage);
     if (stage == pressing && since(world) >= ramp) {
-        set_load(world, plate,
-                 {.mean = force, .amplitude = 0.6 * force, .frequency = frequency, .start = now});
+        load_plates(
+            world, lift,
+            {.mean = force, .amplitude = 0.6 * force, .frequency = frequency, .start = now});
         go_on(compacting);
     } else if (stage == compacting) {
         state.porosity[lift] = porosity_of_lift(world, lift);
@@ -187,14 +199,16 @@ bool BoxTestRun::compact_further(World& world, std::size_t lift) const {
         }
         set_materials(world, making(box_.fill_softness, state.friction));
     } else if (stage == kneaded && since(world) >= kneading) {
-        set_load(world, plate, {.times = {now, now + ramp}, .values = {force, 0}});
+        load_plates(world, lift, {.times = {now, now + ramp}, .values = {force, 0}});
         go_on(lifting);
     } else if (stage == lifting && since(world) >= ramp) {
         state.porosity[lift] = porosity_of_lift(world, lift);
-        Vec3 away = value_of<Position>(world, plate);
-        state.surface[lift] = away.z() - plate_thickness / 2;
-        away.z() = 6 + 0.5 * static_cast<double>(lift == 0);
-        park(world, plate, away);
+        state.surface[lift] = plates_height(world, lift);
+        for (const CompactionPlate& plate : plates_of(world, lift)) {
+            Vec3 away = value_of<Position>(world, plate.body);
+            away.z() = 6 + 0.5 * static_cast<double>(lift == 0);
+            park(world, plate.body, away);
+        }
         return false;
     }
     return true;
