@@ -165,9 +165,12 @@ void add_cost(Summary& summary, const BoxTestRun& test, const StepCount& before,
     summary.add("thousand_cycles_at_this_speed_h", 1000 * per_cycle * step / 3600);
 }
 
-/// Levels of one recording, about the mean acceleration: `prefix` tells who recorded.
+/// Levels of one recording, about the mean acceleration: `prefix` tells who recorded. Nothing of a
+/// recording that has hardly begun.
 void add_levels(Summary& summary, const Recording& r, const std::string& prefix,
                 const std::string& name) {
+    constexpr std::size_t fewest = 10; // samples
+    if (r.size() < fewest) return;
     const auto count = static_cast<double>(r.size());
     Vec3 mean = Vec3::Zero();
     for (const Vec3& f : r.force) mean += f / count;

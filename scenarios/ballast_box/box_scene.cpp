@@ -274,7 +274,7 @@ World make_box_world(const BallastBox& box, std::uint64_t seed) {
         value_of<MotionOf>(world, body) = static_cast<std::uint32_t>(Motion::fixed);
 
     auto& limits = world.resource<Limits>();
-    limits.overlap = 0.5; // rocks are soft while the bed is made
+    limits.overlap = 0.9; // rocks are soft while the bed is made, and a plate first meets a few
     limits.low = Vec3(-1.5, -1.5, -0.3);
     limits.high = Vec3(s.width + 1.5, s.across + 1.5, 12);
     world.add_resource<Gravity>();
