@@ -111,8 +111,8 @@ TEST_SUITE("ballast_box") {
         CHECK(cycles[2].settlement - cycles[1].settlement < cycles[0].settlement);
         for (const CycleResponse& c : cycles) {
             CHECK(c.loop_area > 0);
-            // the subgrade gives most; 0.05 for the weight of the ballast and for dashpots
-            CHECK(c.of_subgrade > 0.5 * c.resilient);
+            // the subgrade gives about half; 0.05 for the weight of the ballast and for dashpots
+            CHECK(c.of_subgrade > 0.4 * c.resilient);
             CHECK(c.of_contacts > 0.02 * c.resilient);
             CHECK(c.of_subgrade + c.of_contacts < 1.05 * c.resilient);
         }
