@@ -230,14 +230,12 @@ void summarise(Summary& summary, const World& world, const BallastBox& box, cons
 /// Settings that may differ from those of the checkpoint: of a bed all that act after it was made.
 std::vector<std::string_view> may_differ_from(const std::filesystem::path& checkpoint,
                                               const Common& common) {
-    std::vector<std::string_view> keys{"cycles"};
-    if (checkpoint.filename() != "bed.ckpt.h5") return keys;
-    keys.insert(keys.end(), {"run", "frequency_Hz", "peak_load_N", "least_load", "steps_per_cycle",
-                             "saturation", "rail_bending_N_m2", "tie_support_N_per_m",
+    if (checkpoint.filename() != "bed.ckpt.h5") return {"cycles"};
+    std::vector<std::string_view> keys = settings_of_state(common);
+    keys.insert(keys.end(), {"cycles", "frequency_Hz", "peak_load_N", "least_load",
+                             "steps_per_cycle", "rail_bending_N_m2", "tie_support_N_per_m",
                              "tie_level_m", "series_compliance_m_per_N", "box_ties", "rest",
                              "step_fraction", "imu", "sampling_rate_Hz"});
-    for (const NamedValue& setting : common.settings)
-        if (setting.key.starts_with("fouling_")) keys.push_back(setting.key);
     return keys;
 }
 

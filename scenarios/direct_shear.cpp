@@ -5,6 +5,7 @@
 #include "engine/io/plot.hpp"
 #include "engine/run.hpp"
 #include "scenarios/field_tests/bed_tests.hpp"
+#include "scenarios/field_tests/grains.hpp"
 #include "scenarios/field_tests/shear_box.hpp"
 #include "scenarios/field_tests/shear_results.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -128,8 +129,7 @@ public:
         s.add("void_contaminant_index_at_start_percent", state.start_vci);
         s.add("time_step_s", world.resource<Clock>().dt);
         if (world.has_resource<Fouling>()) add_fouling_results(s, world);
-        if (box_.fines == "grains")
-            s.add("grains", world.table<Bodies>().size() - world.resource<RockBed>().first_grain);
+        if (box_.fines == "grains") s.add("grains", grains_in(world));
         run_->describe(s);
         return s;
     }

@@ -185,9 +185,8 @@ void run(const TrackPassage& t, const Common& common) {
     run.keep(last);
     std::vector<std::string_view> may_differ{"passages"};
     if (common.resume.filename() == "bed.ckpt.h5") { // the finished bed serves any train and state
-        may_differ.insert(may_differ.end(), {"train", "speed_m_per_s", "run", "saturation"});
-        for (const NamedValue& setting : common.settings)
-            if (setting.key.starts_with("fouling_")) may_differ.push_back(setting.key);
+        may_differ = settings_of_state(common);
+        may_differ.insert(may_differ.end(), {"passages", "train", "speed_m_per_s"});
     }
     resume_box(run, simulation, t.box, common, may_differ);
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,

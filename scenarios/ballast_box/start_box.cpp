@@ -25,6 +25,13 @@ std::string explain_box(const BallastBox& box, const Common& common) {
     return simulation.schedule().explain();
 }
 
+std::vector<std::string_view> settings_of_state(const Common& common) {
+    std::vector<std::string_view> keys{"run", "saturation"};
+    for (const NamedValue& setting : common.settings)
+        if (setting.key.starts_with("fouling_")) keys.push_back(setting.key);
+    return keys;
+}
+
 void resume_box(Run& run, Simulation& simulation, const BallastBox& box, const Common& common,
                 const std::vector<std::string_view>& may_differ) {
     if (common.resume.empty()) return;

@@ -24,9 +24,6 @@ constexpr std::uint64_t stream = 8101;
 constexpr int most_attempts = 100'000; // of one grain
 constexpr double most_grains = 1e6;
 // of growth
-constexpr double first_scale = 0.45;
-constexpr double growth_per_step = 2e-4; // relative, of grains that have room
-constexpr double squeezing_limit = 2e-3; // overlap over the radius, beyond which a grain waits
 constexpr std::uint64_t growth_block = 10, most_steps = 200'000;
 
 /// The spheres of all rocks, in the order of their ids.
@@ -79,6 +76,10 @@ std::size_t add_grains(World& world, const GrainsOfFines& grains, std::uint64_t 
     return count;
 }
 
+std::size_t grains_in(const World& world) {
+    return world.table<Bodies>().size() - world.resource<RockBed>().first_grain;
+}
+
 namespace {
 
 /// Returns true when all grains have their full size.
@@ -107,8 +108,7 @@ Phase grow_grains(double size, double safety) {
     return {.advance =
                 [size, safety](Simulation& s) {
                     World& world = s.world();
-                    if (world.table<Bodies>().size() == world.resource<RockBed>().first_grain)
-                        return false;
+                    if (grains_in(world) == 0) return false;
                     s.advance(growth_block);
                     auto& state = world.resource<RockBedState>();
                     state.steps += static_cast<double>(growth_block);

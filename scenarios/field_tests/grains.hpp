@@ -21,8 +21,11 @@ struct GrainsOfFines {
 /// ids follow those of the bodies before. Throws InputError where the voids have no room for them.
 std::size_t add_grains(World& world, const GrainsOfFines& grains, std::uint64_t seed);
 
-/// Lets the grains of a bed (RockBed) grow to their full size (m) in place. Throws SimulationError
-/// where the voids have no room.
+/// Number of the grains of a bed (RockBed).
+std::size_t grains_in(const World& world);
+
+/// Lets the grains of a bed (RockBed) grow to their full size (m) in place. `safety`: see
+/// scale_masses. Throws SimulationError where the voids have no room.
 Phase grow_grains(double size, double safety);
 
 } // namespace bris

@@ -13,6 +13,7 @@
 #include "scenarios/specimens/growth.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/specimens/specimen.hpp"
+#include "scenarios/specimens/sphere_cells.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"
@@ -29,9 +30,6 @@ namespace bris {
 namespace {
 
 constexpr double filled_porosity = 0.58; // of the mould in which rocks grow
-constexpr double first_scale = 0.45;     // at which rocks are placed without touching
-constexpr double growth_per_step = 2e-4; // relative, of rocks that have room
-constexpr double squeezing_limit = 2e-3; // overlap over bounding radius: no room
 constexpr std::uint64_t growth_block = 20, patience = 20'000, press_block = 50,
                         porosity_steps = 250;
 // dashpots of a low restitution lower the stable step, which the scaling of masses does not count
@@ -93,7 +91,7 @@ void place_rocks(World& world) {
         return radius[rows[a]] != radius[rows[b]] ? radius[rows[a]] > radius[rows[b]] : a < b;
     });
     const Vec3 tie = bed.tie == nobody ? Vec3(Vec3::Zero()) : value_of<Position>(world, bed.tie);
-    std::vector<std::pair<Vec3, double>> filled;
+    SphereCells filled(first_scale * radius[rows[order.front()]]);
     for (const EntityId id : order) {
         Random random(bed.settings.seed, placing_stream + id);
         double size = first_scale * radius[rows[id]];
@@ -108,13 +106,9 @@ void place_rocks(World& world) {
                 if (x.z() > tie.z()) outside.z() = 0;
                 if (outside.cwiseMax(0).norm() < size) continue;
             }
-            if (std::ranges::any_of(filled, [&](const auto& other) {
-                    const double apart = size + other.second;
-                    return (other.first - x).squaredNorm() < apart * apart;
-                }))
-                continue;
+            if (!filled.is_clear(x, size)) continue;
             position[rows[id]] = x;
-            filled.emplace_back(x, size);
+            filled.add(x, size);
             break;
         }
         motion[rows[id]] = static_cast<std::uint32_t>(Motion::free);

@@ -35,6 +35,11 @@ double mean_sieve(const RockSample& sample) {
     return sum / static_cast<double>(sample.rocks.size());
 }
 
+/// m3, of the voids of a specimen between floor and plate.
+double voids_of(const World& world, const ShearBox& box) {
+    return box.area() * plate_height(world) - world.resource<RockBed>().solid_volume;
+}
+
 constexpr std::uint32_t grains_material = 3; // after rock, end walls and sides
 constexpr double rim = 0.05;                 // m, by which sides reach beyond the box
 
@@ -169,28 +174,28 @@ void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& tes
                std::uint64_t seed, bool fill) {
     FoulingOptions fouling = box.fouling;
     World& world = simulation.world();
-    const auto& bed = world.resource<RockBed>();
-    const double voids = box.area() * plate_height(world) - bed.solid_volume;
+    const double voids = voids_of(world, box);
+    const Vec3 half(0.5 * box.length, 0.5 * box.width, 0),
+        high = half + Vec3(0, 0, plate_height(world));
     if (box.fines == "grains" && test.vci > 0) {
-        const Vec3 half(0.5 * box.length, 0.5 * box.width, 0);
         if (fill)
             add_grains(world,
                        {.size = box.fines_size,
                         .material = grains_material,
                         .solid_volume = 0.01 * test.vci * voids / (1 + fouling.settings.void_ratio),
                         .low = -half,
-                        .high = half + Vec3(0, 0, plate_height(world))},
+                        .high = high},
                        seed);
         return;
     }
     if (test.vci > 0) {
+        const auto& bed = world.resource<RockBed>();
         const double density = world.resource<Materials>().list[bed.rock].density;
         fouling.p4 = p4_of_vci(test.vci, fouling.settings, density * bed.solid_volume, voids);
     }
     if (!fouling.any()) return;
     add_fouling(world, fouling);
-    const Vec3 half(0.5 * box.length, 0.5 * box.width, 0);
-    world.resource<Fouling>().box = {-half, half + Vec3(0, 0, plate_height(world))};
+    world.resource<Fouling>().box = {-half, high};
     simulation.prepare();
     if (fill) fill_with_fines(world, fouling, seed);
 }
@@ -198,11 +203,9 @@ void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& tes
 double contaminant_index(const World& world, const ShearBox& box) {
     if (world.has_resource<Fouling>())
         return measure_fouling(world, present_fouling(world)).contaminant_index;
-    const auto& bed = world.resource<RockBed>();
-    const auto count = static_cast<double>(world.table<Bodies>().size() - bed.first_grain);
-    const double voids = box.area() * plate_height(world) - bed.solid_volume;
+    const auto count = static_cast<double>(grains_in(world));
     return 100 * count * pi / 6 * std::pow(box.fines_size, 3) *
-           (1 + box.fouling.settings.void_ratio) / voids;
+           (1 + box.fouling.settings.void_ratio) / voids_of(world, box);
 }
 
 } // namespace bris

@@ -91,9 +91,8 @@ double contaminant_index(const World& world, const ShearBox& box);
 std::vector<RunFile::Column> shear_columns();
 
 /// Phases of a test on a made specimen: growth of fines that are grains, consolidation under the
-/// normal stress, and shear. `curve`
-/// gets a sample at the beginning and after each interval of displacement; `frame` is called at
-/// each tenth of the displacement. Both must outlive the phases.
+/// normal stress, and shear. `curve` gets a sample at the beginning and after each interval of
+/// displacement; `frame` is called at each tenth of the displacement. Both must outlive the phases.
 std::vector<Phase> shear_phases(const ShearBox& box, const ShearTest& test, Series& curve,
                                 const std::function<void(const World&)>& frame);
 

@@ -51,12 +51,12 @@ BoxForces forces_of(const World& world, double plane) {
     const auto mass = world.column<Bodies, Mass>();
     const auto position = world.column<Bodies, Position>();
     const double g = -world.resource<Gravity>().value.z();
-    std::vector<EntityId> moving = bed.rocks;
-    for (auto id = bed.first_grain; id < rows.size(); ++id) moving.push_back(id);
-    for (const EntityId id : moving) {
+    const auto weigh = [&](EntityId id) {
         f.weight += g * mass[rows[id]];
         if (position[rows[id]].z() < plane) f.below += g * mass[rows[id]];
-    }
+    };
+    std::ranges::for_each(bed.rocks, weigh);
+    for (auto id = bed.first_grain; id < rows.size(); ++id) weigh(id);
     return f;
 }
 

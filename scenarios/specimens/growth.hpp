@@ -8,6 +8,11 @@
 
 namespace bris {
 
+/// How bodies grow in place: fraction of their full size at which they are placed at random without
+/// touching, relative growth in a step of those that have room, and overlap over radius at which
+/// one waits until it has room.
+inline constexpr double first_scale = 0.45, growth_per_step = 2e-4, squeezing_limit = 2e-3;
+
 /// Largest overlap (m) of each body in the last step, by row.
 std::vector<double> largest_overlaps(const World& world);
 

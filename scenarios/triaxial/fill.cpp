@@ -7,6 +7,7 @@
 #include "engine/random.hpp"
 #include "scenarios/specimens/growth.hpp"
 #include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/sphere_cells.hpp"
 #include "scenarios/triaxial/specimen_state.hpp"
 #include "scenarios/triaxial/triaxial.hpp"
 #include "systems/broadphase/lists.hpp"
@@ -19,11 +20,6 @@ namespace bris {
 
 namespace {
 
-// fraction of full size at which rocks are placed at random positions without touching
-constexpr double first_scale = 0.45;
-constexpr double growth_per_step = 2e-4; // relative, of rocks that have room
-// overlap over bounding radius at which a rock stops growing until it has room
-constexpr double squeezing_limit = 2e-3;
 constexpr std::uint64_t growth_block = 20; // steps at one size
 // steps after which the limit rises by its first value, for rocks that jam: compaction frees them
 constexpr std::uint64_t patience = 20000;
@@ -38,17 +34,14 @@ void place_rocks(World& world, double lid, double scale) {
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
     const auto radius = world.column<Bodies, BoundingRadius>();
-    struct Filled {
-        Vec3 position;
-        double radius;
-    };
-    std::vector<Filled> filled;
-    for (const EntityId id : specimen.smart_rocks)
-        filled.push_back({position[rows[id]], radius[rows[id]]});
     std::vector<EntityId> order = specimen.rocks; // largest first
     std::sort(order.begin(), order.end(), [&](EntityId a, EntityId b) {
         return radius[rows[a]] != radius[rows[b]] ? radius[rows[a]] > radius[rows[b]] : a < b;
     });
+    double largest = order.empty() ? 0 : scale * radius[rows[order.front()]];
+    for (const EntityId id : specimen.smart_rocks) largest = std::max(largest, radius[rows[id]]);
+    SphereCells filled(largest);
+    for (const EntityId id : specimen.smart_rocks) filled.add(position[rows[id]], radius[rows[id]]);
     for (const EntityId id : order) {
         const Row r = rows[id];
         Random random(specimen.seed, placing_stream + id);
@@ -59,12 +52,9 @@ void place_rocks(World& world, double lid, double scale) {
                          angle = 2 * pi * random.uniform();
             const Vec3 x(away * std::cos(angle), away * std::sin(angle),
                          random.uniform(size, lid - size));
-            if (std::any_of(filled.begin(), filled.end(), [&](const Filled& p) {
-                    return (p.position - x).squaredNorm() < (size + p.radius) * (size + p.radius);
-                }))
-                continue;
+            if (!filled.is_clear(x, size)) continue;
             position[r] = x;
-            filled.push_back({x, size});
+            filled.add(x, size);
             break;
         }
         motion[r] = static_cast<std::uint32_t>(Motion::free);

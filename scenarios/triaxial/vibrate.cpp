@@ -21,9 +21,8 @@ namespace bris {
 
 namespace {
 
-constexpr double growth_per_step = 2e-4; // relative, of exchanged rocks
-// overlap over bounding radius at which a rock stops growing until it has room
-constexpr double squeezing_limit = 1e-2;
+// overlap over bounding radius at which an exchanged rock stops growing until it has room
+constexpr double exchange_limit = 1e-2;
 constexpr std::uint64_t vibration_block = 50; // steps between resets of the energy and exchanges
 constexpr std::uint64_t porosity_steps = 250; // between measurements of porosity
 // steps with exchanges, followed by as many without, in which rocks grow to full size
@@ -144,7 +143,7 @@ void TriaxialTest::vibrate() {
     if (exchanging) exchange_rocks(world, squeezed, state.phase_steps, rocks.size() / 20, dense);
     // after an exchange some rocks are below full size, so a porosity counts only when none is
     const bool full =
-        grow_rocks(world, rocks, squeezed, 1 + growth_per_step * vibration_block, squeezing_limit);
+        grow_rocks(world, rocks, squeezed, 1 + growth_per_step * vibration_block, exchange_limit);
     if (full) state.densest_porosity = std::min(state.densest_porosity, state.prepared_porosity);
     if (measured && dense && full) return start_taps();
     if (state.phase_steps < settings_.longest_preparation) return;

@@ -34,6 +34,24 @@ constexpr double rigid = 1e20;
 
 } // namespace
 
+InertialMasses::InertialMasses(Table& bodies)
+    : mass_(bodies.column<InertialMass>()),
+      work_(bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>()),
+      inertia_(bodies.column<Inertia>()), inertial_inertia_(bodies.column<InertialInertia>()),
+      momentum_(bodies.column<AngularMomentum>()), velocity_(bodies.column<Velocity>()),
+      angular_velocity_(bodies.column<AngularVelocity>()) {}
+
+void InertialMasses::set(Row body, double mass, double of_inertia) {
+    // all components of the inertia are scaled by one factor
+    const double turning = of_inertia * inertia_[body].x() / inertial_inertia_[body].x();
+    if (!work_.empty())
+        work_[body] += 0.5 * (mass - mass_[body]) * velocity_[body].squaredNorm() +
+                       0.5 * (turning - 1) * momentum_[body].dot(angular_velocity_[body]);
+    momentum_[body] *= turning;
+    mass_[body] = mass;
+    inertial_inertia_[body] = of_inertia * inertia_[body];
+}
+
 MassScaling scale_masses(World& world, double dt, double safety, bool only_raise) {
     auto stiffness = body_stiffness(world);
     Table& bodies = world.table<Bodies>();
@@ -42,11 +60,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto inertial = bodies.column<InertialMass>();
     const auto inertia = bodies.column<Inertia>();
     const auto inertial_inertia = bodies.column<InertialInertia>();
-    const auto velocity = bodies.column<Velocity>();
-    const auto momentum = bodies.column<AngularMomentum>();
-    const auto angular_velocity = bodies.column<AngularVelocity>();
-    const auto work =
-        bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
+    InertialMasses masses(bodies);
     const auto patches =
         bodies.has<PatchesOf>() ? bodies.column<PatchesOf>() : std::span<std::uint32_t>();
     auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the order of rows
@@ -89,14 +103,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
             m = std::max(m, inertial[b]);
             i = std::max(i, inertial_inertia[b].x() / inertia[b].x());
         }
-        // velocities and angular velocities stay, so the kinetic energy changes
-        const double turning = i * inertia[b].x() / inertial_inertia[b].x();
-        if (!work.empty())
-            work[b] += 0.5 * (m - inertial[b]) * velocity[b].squaredNorm() +
-                       0.5 * (turning - 1) * momentum[b].dot(angular_velocity[b]);
-        momentum[b] *= turning;
-        inertial[b] = m;
-        inertial_inertia[b] = i * inertia[b];
+        masses.set(b, m, i);
         result.total_mass += m;
         result.largest_factor = std::max(result.largest_factor, m / mass[b]);
         result.smallest_factor = std::min(result.smallest_factor, m / mass[b]);

@@ -1,8 +1,25 @@
 #pragma once
 
+#include "components/body.hpp"
 #include "engine/world.hpp"
 
+#include <span>
+
 namespace bris {
+
+/// Changes the inertial masses of the bodies of a table. Velocities and angular velocities stay, so
+/// the kinetic energy changes; where it is counted (ScalingWork), this is the work of scaling.
+class InertialMasses {
+public:
+    explicit InertialMasses(Table& bodies);
+    /// The inertial mass (kg), and the factor on the true inertia.
+    void set(Row body, double mass, double of_inertia);
+
+private:
+    std::span<double> mass_, work_;
+    std::span<Vec3> inertia_, inertial_inertia_, momentum_;
+    std::span<const Vec3> velocity_, angular_velocity_;
+};
 
 /// Result of mass scaling.
 struct MassScaling {

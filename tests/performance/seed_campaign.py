@@ -27,6 +27,11 @@ def interval(numbers):
     return f'{math.exp(mean):.2f} ({math.exp(mean - half):.2f}-{math.exp(mean + half):.2f})' if half else f'{math.exp(mean):.2f}'
 
 
+def mean_text(numbers, digits=2):
+    """Text of the mean and the half width of its 95 % confidence interval."""
+    return f'{statistics.mean(numbers):.{digits}f} +- {half_width(numbers):.{digits}f}'
+
+
 def parser(doc, seeds, table):
     """Argument parser of a campaign. `table` is the name of the CSV file in the results folder. Runs go to a folder with the campaign's name."""
     arguments = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -59,6 +64,19 @@ def add(args, seed, numbers):
     """Adds the numbers of a seed to the table. `numbers` is a dictionary by (pressure, quantity)."""
     parts.add(args, args.csv, ('seed', 'pressure_kPa', 'quantity', 'value'),
               [(seed, pressure, quantity, f'{value:.6g}') for (pressure, quantity), value in numbers.items()])
+
+
+def run_states(args, runs, columns, numbers_of):
+    """Does the runs of this part that are not in the table yet. A run is a tuple of a seed and names, the first `columns` of the table;
+    `numbers_of(args, *run)` gives its rows."""
+    names = columns[1:len(runs[0])]
+    run_of = lambda row: (int(row['seed']), *(row[name] for name in names))  # noqa: E731
+    parts.merge(args, args.csv, runs, run_of)
+    done = {run_of(row) for row in rows_of(args)}
+    for seed, *state in parts.mine(args, runs):
+        if (seed, *state) not in done:
+            parts.add(args, args.csv, columns, numbers_of(args, seed, *state))
+            print(f'seed {seed} {" ".join(state)} done', flush=True)
 
 
 def run(args, numbers_of_seed, report):

@@ -200,10 +200,9 @@ TEST_SUITE("direct_shear") {
         ShearBox with_grains = box;
         with_grains.fines = "grains";
         const auto grained = [&](unsigned threads) {
-            auto run = std::make_unique<ShearedBox>(with_grains,
-                                                    ShearTest{.normal_stress = 50e3, .vci = 20},
-                                                    fresh(threads), folder.path());
-            return run;
+            return std::make_unique<ShearedBox>(with_grains,
+                                                ShearTest{.normal_stress = 50e3, .vci = 20},
+                                                fresh(threads), folder.path());
         };
         const auto grains = grained(1);
         grains->simulation.restore(made);

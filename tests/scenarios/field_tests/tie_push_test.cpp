@@ -10,8 +10,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-
 using namespace bris;
 using namespace bris::testing;
 
