@@ -57,6 +57,13 @@ Column::Column(const Column& other) : type_(other.type_) {
     if (size_ > 0) std::memcpy(bytes(), other.bytes(), size_ * type_.value_size);
 }
 
+Column::Column(const Column& other, std::span<const Row> rows) : type_(other.type_) {
+    resize(rows.size());
+    const std::size_t width = type_.value_size;
+    for (std::size_t row = 0; type_.is_state && row < size_; ++row)
+        std::memcpy(bytes() + row * width, other.bytes() + rows[row] * width, width);
+}
+
 void Column::reserve(std::size_t rows) {
     if (rows <= capacity_) return;
     const std::size_t wanted = rows + rows / 2 + 64;

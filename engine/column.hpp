@@ -32,6 +32,8 @@ public:
 
     explicit Column(Type type) : type_(std::move(type)) {}
     Column(const Column& other);
+    /// Some rows of another State column, in this order; as many zeros of a Derived one.
+    Column(const Column& other, std::span<const Row> rows);
     Column& operator=(const Column&) = delete;
 
     const Type& type() const { return type_; }

@@ -21,20 +21,18 @@ Simulation::Simulation(World world, StepList steps, unsigned threads, ScheduleSe
 }
 
 void Simulation::advance_unseen(std::uint64_t steps) {
+    if (division_.take == nullptr) return run(*world_, schedule_, steps, true);
     // taking a part and giving it back costs as much as some tens of steps
     constexpr std::uint64_t fewest = 20;
-    if (division_.take == nullptr || (part_ == nullptr && steps < fewest))
-        return run(*world_, schedule_, steps, true);
-    if (part_ == nullptr) {
-        ScheduleSettings settings = settings_;
-        settings.serial = true; // messages are sent by the thread that runs main
-        part_ = std::make_unique<Part>(division_.take(*world_), steps_, settings);
-    }
-    const std::uint64_t now = owed_ + steps - 1; // the last one is for `look`
-    owed_ = 1;
-    if (now == 0) return;
+    owed_ += steps;
     try {
-        run(part_->world, part_->schedule, now, false);
+        while (owed_ > 1) { // the last one is for `look`
+            if (part_ != nullptr || (owed_ > fewest && !division_.whole_step_is_due(*world_)))
+                advance_part();
+            else
+                run(*world_, schedule_, 1, false), --owed_;
+        }
+        if (part_ == nullptr) run(*world_, schedule_, std::exchange(owed_, 0), true);
     } catch (...) {
         owed_ = 0;
         look();
@@ -42,10 +40,29 @@ void Simulation::advance_unseen(std::uint64_t steps) {
     }
 }
 
-void Simulation::look() {
-    if (part_ == nullptr) return;
+/// Computes all but the last of the steps on the part, or those before one that needs the whole
+/// world.
+void Simulation::advance_part() {
+    if (part_ == nullptr) {
+        ScheduleSettings settings = settings_;
+        settings.serial = true; // messages are sent by the thread that runs main
+        part_ = std::make_unique<Part>(division_.take(*world_), steps_, settings);
+    }
+    const Clock& clock = part_->world.resource<Clock>();
+    const std::uint64_t before = clock.step;
+    run(part_->world, part_->schedule, owed_ - 1, false, division_.whole_step_is_due);
+    owed_ -= clock.step - before;
+    if (owed_ > 1) give_back();
+}
+
+void Simulation::give_back() {
     division_.give_back(part_->world, *world_);
     part_.reset();
+}
+
+void Simulation::look() {
+    if (part_ == nullptr) return;
+    give_back();
     run(*world_, schedule_, std::exchange(owed_, 0), true);
 }
 
@@ -53,13 +70,15 @@ std::uint64_t Simulation::step() const {
     return (part_ ? part_->world : *world_).resource<Clock>().step + owed_;
 }
 
-void Simulation::run(World& world, Schedule& schedule, std::uint64_t steps, bool observed) {
+void Simulation::run(World& world, Schedule& schedule, std::uint64_t steps, bool observed,
+                     bool (*until)(const World&)) {
     Clock& clock = world.resource<Clock>();
     const Health& health = world.resource<Health>();
     const auto began = this_instant();
     const std::uint64_t before = clock.step;
     (world.rows() < settings_.least_rows ? alone_ : threads_)->run([&] {
         for (std::uint64_t k = 0; k < steps && !health.bad; ++k) {
+            if (until != nullptr && until(world)) break;
             clock.observed = observed && k + 1 == steps;
             schedule.run(world);
             ++clock.step;

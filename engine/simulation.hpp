@@ -20,13 +20,16 @@ struct Division {
     World (*take)(World& whole) = nullptr;
     /// Writes the State of all parts back into the whole world of each rank.
     void (*give_back)(const World& part, World& whole) = nullptr;
+    /// Whether the next step needs the whole world. All ranks ask before each step, of their parts
+    /// or of the whole, and find the same.
+    bool (*whole_step_is_due)(const World& world) = nullptr;
 };
 
 /// A world with its schedule and threads. The world must hold a Clock and a Health.
 ///
 /// On several ranks (`divide`) every rank has the whole world, and all call the same functions.
-/// `advance` computes the steps on the parts, but the last one on the whole world, so that whoever
-/// looks finds there what they would find without ranks, to the same bits.
+/// `advance` computes the steps on the parts, but those that need it and the last one on the whole
+/// world, so that whoever looks finds there what they would find without ranks, to the same bits.
 class Simulation {
 public:
     Simulation(World world, StepList steps, unsigned threads = 1, ScheduleSettings settings = {});
@@ -74,12 +77,15 @@ private:
         World world;
         Schedule schedule;
     };
-    void run(World& world, Schedule& schedule, std::uint64_t steps, bool observed);
+    void advance_part();
+    void give_back();
+    void run(World& world, Schedule& schedule, std::uint64_t steps, bool observed,
+             bool (*until)(const World&) = nullptr);
 
     std::unique_ptr<World> world_; // at a fixed address: bound systems point into it
     Division division_;
     std::unique_ptr<Part> part_; // null: the whole world is up to date
-    std::uint64_t owed_ = 0;     // steps that the part has not yet done
+    std::uint64_t owed_ = 0;     // steps that have been asked for and not yet done
     StepList steps_;
     ScheduleSettings settings_;
     std::unique_ptr<Threads> threads_, alone_;

@@ -8,6 +8,12 @@ Table::Table(const Table& other) : name_(other.name_), size_(other.size_) {
     for (const auto& column : other.columns_) columns_.push_back(std::make_unique<Column>(*column));
 }
 
+Table::Table(const Table& other, std::span<const Row> rows) : name_(other.name_) {
+    for (const auto& column : other.columns_)
+        columns_.push_back(std::make_unique<Column>(*column, rows));
+    size_ = rows.size();
+}
+
 Column* Table::find(std::type_index component) {
     for (auto& column : columns_)
         if (same_type(column->type().component, component)) return column.get();

@@ -15,6 +15,8 @@ class Table {
 public:
     explicit Table(std::string name) : name_(std::move(name)) {}
     Table(const Table& other);
+    /// The State of some rows of another table, in this order; Derived values are zero.
+    Table(const Table& other, std::span<const Row> rows);
     Table(Table&&) = default;
 
     const std::string& name() const { return name_; }

@@ -8,6 +8,16 @@ World::World(const World& other) {
     for (const auto& held : other.resources_) resources_.push_back(held->clone());
 }
 
+World::World(const World& other,
+             const std::function<std::optional<std::vector<Row>>(const Table&)>& rows_of) {
+    for (const auto& [kind, table] : other.tables_) {
+        const auto rows = rows_of(*table);
+        tables_.push_back({kind, rows ? std::make_unique<Table>(*table, *rows)
+                                      : std::make_unique<Table>(*table)});
+    }
+    for (const auto& held : other.resources_) resources_.push_back(held->clone());
+}
+
 Table* World::find_table(std::type_index kind) {
     for (auto& named : tables_)
         if (same_type(named.kind, kind)) return named.table.get();

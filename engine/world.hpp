@@ -3,7 +3,9 @@
 #include "engine/archive.hpp"
 #include "engine/table.hpp"
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <typeindex>
 #include <vector>
 
@@ -21,6 +23,10 @@ class World {
 public:
     World() = default;
     World(const World& other);
+    /// Some rows of the tables of another world, with their State only, and its resources.
+    /// `rows_of`: of a table; nullopt: all of it, with Derived values.
+    World(const World& other,
+          const std::function<std::optional<std::vector<Row>>(const Table&)>& rows_of);
     World(World&&) = default;
     World& operator=(World&&) = default;
 
@@ -86,12 +92,14 @@ public:
     }
 
     struct HeldBase {
-        explicit HeldBase(std::type_index t) : type(t) {}
+        HeldBase(std::type_index t, bool whole) : type(t), changes_in_whole_steps_only(whole) {}
         virtual ~HeldBase() = default;
         virtual std::unique_ptr<HeldBase> clone() const = 0;
         virtual void save(Archive&) const {}
         virtual void load(const Archive&) {}
         std::type_index type;
+        /// True if it says so itself: where a world is divided among ranks, no part changes it.
+        bool changes_in_whole_steps_only;
     };
     std::vector<std::unique_ptr<HeldBase>>& resources() { return resources_; }
     const std::vector<std::unique_ptr<HeldBase>>& resources() const { return resources_; }
@@ -101,7 +109,10 @@ public:
 private:
     template <class R>
     struct Held final : HeldBase {
-        explicit Held(R v) : HeldBase(typeid(R)), value(std::move(v)) {}
+        explicit Held(R v)
+            : HeldBase(
+                  typeid(R), requires { R::changes_in_whole_steps_only; }),
+              value(std::move(v)) {}
         std::unique_ptr<HeldBase> clone() const override { return std::make_unique<Held>(value); }
         void save(Archive& archive) const override {
             if constexpr (requires { value.save(archive); }) value.save(archive);

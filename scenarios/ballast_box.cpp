@@ -7,6 +7,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
+#include "engine/ranks.hpp"
 #include "engine/run.hpp"
 #include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/ballast_box/cycles.hpp"
@@ -229,13 +230,14 @@ void summarise(Summary& summary, const World& world, const BallastBox& box, cons
 
 /// Settings that may differ from those of the checkpoint: of a bed all that act after it was made.
 std::vector<std::string_view> may_differ_from(const std::filesystem::path& checkpoint,
-                                              const Common& common) {
+                                              const BallastBox& box, const Common& common) {
     if (checkpoint.filename() != "bed.ckpt.h5") return {"cycles"};
     std::vector<std::string_view> keys = settings_of_state(common);
-    keys.insert(keys.end(), {"cycles", "frequency_Hz", "peak_load_N", "least_load",
-                             "steps_per_cycle", "rail_bending_N_m2", "tie_support_N_per_m",
-                             "tie_level_m", "series_compliance_m_per_N", "box_ties", "rest",
-                             "step_fraction", "imu", "sampling_rate_Hz"});
+    keys.insert(keys.end(),
+                {"cycles", "frequency_Hz", "peak_load_N", "least_load", "steps_per_cycle",
+                 "rail_bending_N_m2", "tie_support_N_per_m", "tie_level_m",
+                 "series_compliance_m_per_N", "rest", "step_fraction", "imu", "sampling_rate_Hz"});
+    if (!box.is_full()) keys.push_back("box_ties");
     return keys;
 }
 
@@ -248,7 +250,7 @@ void run(const BallastBox& box, const Common& common) {
     Run run(simulation, common, "ballast_box");
     run.keep(samples);
     run.keep(last);
-    resume_box(run, simulation, box, common, may_differ_from(common.resume, common));
+    resume_box(run, simulation, box, common, may_differ_from(common.resume, box, common));
     FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings, box.written.extras());
     std::vector<Phase> phases = test.making_of_bed();
     phases.push_back(save_bed(run));
@@ -268,6 +270,7 @@ void run(const BallastBox& box, const Common& common) {
     run.go(phases);
     const auto first = cycle_responses(samples, 1);
     draw(world, box, samples, first, common);
+    if (Ranks::size() > 1) draw_ranks(world, common.out / "ranks.png");
     draw_displacements(world, at_beginning, common.out / "displacement.png", since);
     samples.write_csv(common.out / "samples.csv");
     write_cycles(common.out / "cycles.csv", box, first);

@@ -1,5 +1,6 @@
 #include "systems/steps.hpp"
 
+#include "engine/ranks.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/collide.hpp"
 #include "systems/contact/share_patches.hpp"
@@ -43,6 +44,15 @@ bool sleep_or_lists_are_due(const World& world) {
 }
 
 } // namespace
+
+bool whole_step_is_due(const World& world) {
+    if (world.has_resource<Replay>() && fusion_is_due(world)) return true; // on all ranks alike
+    if (!world.has_resource<Fouling>() ||
+        !world.resource<Fouling>().is_checked(world.resource<Clock>().step))
+        return false;
+    const bool here = fouling_is_due(world);
+    return world.has_resource<Slab>() ? Ranks::any(here) : here; // a part knows its own rocks only
+}
 
 StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
     const auto due = lists_are_due, moved = positions_are_due;
@@ -97,6 +107,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("hold_clumps", hold_clumps),
         system("pass_spheres", pass_spheres),
         system("pass_clumps", pass_clumps),
+        system("pass_resting", pass_resting),
         row_local("update_sphere_positions", update_sphere_positions),
         row_local("update_clump_positions", update_clump_positions),
         row_local("update_kicks", update_kicks),

@@ -12,4 +12,8 @@ namespace bris {
 StepList steps(LawName law, bool energy_budget = false,
                PatchStiffness patch = PatchStiffness::per_sphere);
 
+/// Whether the next step of a world that is divided among ranks needs all bodies: it brings fields
+/// up to date, or assimilates the recordings of sensors (Division).
+bool whole_step_is_due(const World& world);
+
 } // namespace bris

@@ -19,8 +19,9 @@ BoxBalance box_balance(const World& world) {
     const auto& of_box = world.resource<BoxBodies>();
     for (const EntityId tie : of_box.ties) {
         const Row row = row_of_body(world, tie);
-        balance.tie_load -=
-            bodies.column<LoadForce>()[row].force.z() + bodies.column<Mass>()[row] * gravity;
+        balance.tie_load -= bodies.column<LoadForce>()[row].force.z() +
+                            bodies.column<PatchForce>()[row].force.z() +
+                            bodies.column<Mass>()[row] * gravity;
         balance.tie_support += contact_force(world, tie).z();
     }
     for (const EntityId plate : of_box.subgrade)

@@ -51,7 +51,7 @@ std::vector<std::vector<double>> tie_shares(const BallastBox& box) {
     constexpr double bay = tie_spacing;
     if (!box.is_dynamic()) return {{1.0, 0.0}};
     std::vector<double> at;
-    for (unsigned k = 0; k < (box.is_full() ? 4 : box.box_ties); ++k) at.push_back(bay * k);
+    for (unsigned k = 0; k < box.ties(); ++k) at.push_back(bay * k);
     const BoxSizes sizes = box_sizes(box);
     const std::size_t ties = sizes.ties.size(),
                       first = (at.size() - ties) / 2; // the model's ties are the middle ones

@@ -29,7 +29,7 @@ struct BallastBox {
     double friction_factor = 1, stiffness_factor = 1;
     double subgrade_modulus = 200e6, subgrade_damping = 0.2, series_compliance = 0;
     double rail_bending = 1.58e7, tie_support = 3e7;
-    unsigned box_ties = 2;
+    unsigned box_ties = 0;
     double bladder_pressure = 200e3, tie_level = 0;
     double porosity = 0.40, compaction_pressure = 50e3, fill_softness = 0.25;
     double rest = 2e-3, step_fraction = 0.5;
@@ -59,6 +59,8 @@ struct BallastBox {
     unsigned load_cycles() const {
         return cycles > 0 ? cycles : is_full() ? 0 : is_dynamic() ? 1 : 5;
     }
+    /// Ties below the rails; in the model `full` all of them are modelled.
+    unsigned ties() const { return box_ties > 0 ? box_ties : is_full() ? 4 : 2; }
     double scale() const {
         if (rock_scale > 0) return rock_scale;
         return is_full() ? 1 : is_bay() ? 1.7 : is_dynamic() ? 1.5 : 1.3;
@@ -153,9 +155,11 @@ void BallastBox::describe(auto& option) {
            "that of the model.",
            within(0, 1e-6));
     option("box_ties", box_ties, "",
-           "Ties that carry the rails in the dynamic model: 2 (those of the model; each actuator "
-           "stands above one of them) or 4 (as in the box; the model's are the middle ones).",
-           within(2, 4));
+           "Ties that carry the rails. In the dynamic model 2 (those of the model; each actuator "
+           "stands above one of them) or 4 (as in the box; the model's are the middle ones). In "
+           "the full model 4 (the report's box of 3.96 m) or more, each with 0.61 m of track; "
+           "actuators stand above the two middle ones. 0: 2 or 4.",
+           within(0, 40));
     option.group("Simulation");
     describe_simulation(option);
 }

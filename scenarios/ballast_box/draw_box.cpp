@@ -1,11 +1,15 @@
 #include "scenarios/ballast_box/draw_box.hpp"
 
+#include "engine/ordering.hpp"
+#include "engine/ranks.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
 #include "systems/output/frames.hpp"
+#include "systems/slabs/slabs.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace bris {
 
@@ -33,6 +37,24 @@ void draw_box(const World& world, const std::filesystem::path& png, const std::s
                                  return sensor ? Colour{200, 40, 40} : rock_colour(id);
                              }),
               caption, png);
+}
+
+void draw_ranks(const World& world, const std::filesystem::path& png) {
+    constexpr std::array<Colour, 6> colours{{{70, 120, 180},
+                                             {220, 150, 60},
+                                             {90, 160, 90},
+                                             {190, 80, 80},
+                                             {140, 110, 180},
+                                             {120, 120, 120}}};
+    const BodyFrame frame = frame_of_bodies(world);
+    const std::vector<unsigned> rank = ranks_of_bodies(world);
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    draw_view(view_of_bodies(world, frame,
+                             [&](std::size_t k) {
+                                 const auto id = static_cast<std::uint32_t>(frame.ids[k]);
+                                 return colours[rank[rows[id]] % colours.size()];
+                             }),
+              fmt::format("Ballast box on {} ranks, each in its colour.", Ranks::size()), png);
 }
 
 std::vector<Vec3> positions_in_frame(const World& world) {

@@ -12,6 +12,9 @@ namespace bris {
 /// Draws the rocks that lie in a box, its ties, bladder and subgrade; sensor rocks in red.
 void draw_box(const World& world, const std::filesystem::path& png, const std::string& caption);
 
+/// Draws the rocks in the colours of the ranks by which they are computed.
+void draw_ranks(const World& world, const std::filesystem::path& png);
+
 /// Positions (m) of all bodies, in the order in which frames have them.
 std::vector<Vec3> positions_in_frame(const World& world);
 /// Draws the rocks that lie in a box in colours of their displacement from `before` (m), of which 1

@@ -4,6 +4,7 @@
 #include "components/load.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/ballast_box/box_balance.hpp"
+#include "scenarios/ballast_box/hanging_tie.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/output/quantities.hpp"
@@ -32,8 +33,9 @@ void add_sample(const World& world, unsigned number, Series& samples) {
     const auto load = world.column<Bodies, LoadOf>()[row] - 1;
     const LoadHistory& history = world.resource<Loads>().of_body[load].front().history;
     const BoxBalance balance = box_balance(world);
+    const double of_spring = world.column<Bodies, PatchForce>()[row].force.z();
     samples.add({static_cast<double>(number), since(world),
-                 history.at(world.resource<Clock>().time()),
+                 history.at(world.resource<Clock>().time()) - of_spring,
                  world.resource<BoxState>().tie_1 - world.column<Bodies, Position>()[row].z(),
                  balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio});
 }
@@ -65,8 +67,31 @@ Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& tr
                                          fmt::format("{:.2f} of {:.2f} s", since(world), duration)};
                 },
             .begin =
-                [=, &test](Simulation& s) {
-                    test.begin_passage(s.world(), passing_load(train, speed, rails, dead_load));
+                [=, &test, hangs = settings.gap > 0 && number > 0](Simulation& s) {
+                    const double weight = weight_of_tie(s.world()) / test.sizes().share;
+                    test.begin_passage(
+                        s.world(), hangs ? passing_load_of_hanging_tie(train, speed, rails, weight)
+                                         : passing_load(train, speed, rails, dead_load));
+                }};
+}
+
+/// The tie is hung up, and the ballast comes to rest without its weight.
+Phase hang_up(const BoxTestRun& test, const TrackPassage& settings) {
+    constexpr double duration = 0.1; // s
+    return {.advance =
+                [](Simulation& s) {
+                    s.advance(block);
+                    return since(s.world()) < duration;
+                },
+            .progress =
+                [](const World& world) {
+                    return PhaseProgress{"hang the tie up", since(world) / duration, ""};
+                },
+            .begin =
+                [&test, rails = settings.rails(), gap = settings.gap](Simulation& s) {
+                    note_beginning(s.world());
+                    hang_tie(s.world(), rails, test.sizes().share, gap);
+                    s.prepare();
                 }};
 }
 
@@ -89,6 +114,7 @@ std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
     save.begin = [&test](Simulation& s) { test.note_bed(s.world()); };
     phases.push_back(std::move(save));
     for (Phase& phase : test.changes_in_use()) phases.push_back(std::move(phase));
+    if (settings.gap > 0) phases.push_back(hang_up(test, settings));
     for (unsigned number = 1; number <= settings.passages; ++number)
         phases.push_back(
             pass(test, settings, train, settings.train_speed(), number, samples, actions, run));

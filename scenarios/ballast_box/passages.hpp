@@ -17,6 +17,7 @@ struct TrackPassage {
     std::string train = "passenger", first_train = "none";
     double speed = 0;
     unsigned passages = 2;
+    double gap = 0;
 
     void describe(auto& option);
 
@@ -38,7 +39,8 @@ struct PassageActions {
 
 /// The phases after a clean and confined bed was made and its tie seated: the first train passes,
 /// if there is one, the bed is saved as bed.ckpt.h5, fines and water come or the shoulder is lost
-/// as the run asks, then the train passes `passages` times. `samples` has passage_columns(). All
+/// as the run asks, the tie is hung up if there is to be a gap, then the train passes `passages`
+/// times. `samples` has passage_columns(). All
 /// references must outlive the phases.
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
                                   const TrackPassage& settings, const Train& train, Series& samples,
@@ -69,6 +71,10 @@ void TrackPassage::describe(auto& option) {
     option("first_train", first_train, "",
            "Train that passes once over the new bed to settle it, before the bed is saved and "
            "without being recorded; none: no such train.");
+    option("gap", gap, "m",
+           "Gap under the tie: it hangs on the rails so far above the settled ballast, and takes "
+           "load when the rails have pushed it down. 0: it lies on the ballast.",
+           within(0, 0.05).usually(0, 0.01));
     option.group("Ballast");
     option("run", box.run, "",
            "State of the ballast, as in the runs of table 1 of the report: I.2 clean, I.4 without "

@@ -41,6 +41,10 @@ double RailOnTies::share(double x) const {
     return 0.5 * spacing * beta * std::exp(-phase) * (std::cos(phase) + std::sin(phase));
 }
 
+double RailOnTies::stiffness_without_tie() const {
+    return 2 * tie_support / (spacing * wave_number()) - tie_support;
+}
+
 double RailOnTies::reach() const { return 12 / wave_number(); } // sqrt(2) exp(-12) = 9e-6
 
 double passing_time(const Train& train, double speed, const RailOnTies& rails) {

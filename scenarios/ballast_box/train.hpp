@@ -37,6 +37,10 @@ struct RailOnTies {
     /// beta / 2 exp(-beta |x|) (cos beta |x| + sin beta |x|). Negative where the rails lift the
     /// tie. The parts of all ties add up to 1, to 8 (beta spacing / (2 pi))^4.
     double share(double x) const;
+    /// N/m, force on the rails at a tie over their deflection there if this tie did not support
+    /// them: 2 k / beta - tie_support, by superposition, as the deflection under a load is beta /
+    /// (2 k).
+    double stiffness_without_tie() const;
     /// m, distance beyond which the part is less than 1e-5 of that under the axle.
     double reach() const;
 };

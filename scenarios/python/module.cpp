@@ -5,11 +5,13 @@
 #include "engine/io/checkpoint.hpp"
 #include "engine/version.hpp"
 #include "scenarios/python/arrays.hpp"
+#include "scenarios/python/fields.hpp"
 #include "scenarios/python/steered_simulation.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/quantities.hpp"
 
 #include <array>
+#include <limits>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -34,6 +36,9 @@ py::dict quantities_of(const World& world) {
         "mean_normal_force_N"_a = q.mean_normal_force, "unbalanced_ratio"_a = q.unbalanced_ratio,
         "boundary_force_N"_a = triple(q.boundary_force));
 }
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Triple nowhere{-infinity, -infinity, -infinity}, everywhere{infinity, infinity, infinity};
 
 void define_scene(py::module_& m) {
     py::class_<SceneBuilder>(m, "Scene", "A scene that is being built; SI units.")
@@ -95,7 +100,37 @@ void define_scene(py::module_& m) {
             [](SceneBuilder& s, EntityId body, const Triple& v) {
                 s.set_velocity(body, vector(v));
             },
-            "body"_a, "velocity"_a, "Sets the velocity of a body, m/s.");
+            "body"_a, "velocity"_a, "Sets the velocity of a body, m/s.")
+        .def(
+            "add_sensor",
+            [](SceneBuilder& s, EntityId body, const std::vector<double>& times,
+               const std::vector<Triple>& positions, double deviation) {
+                std::vector<Vec3> vectors;
+                for (const Triple& x : positions) vectors.push_back(vector(x));
+                s.add_sensor(body, times, vectors, deviation);
+            },
+            "body"_a, "times"_a, "positions"_a, "deviation"_a = 1e-4,
+            "Makes a body a sensor rock, whose recorded positions (m, at times in s) correct its "
+            "motion; deviation: their standard deviation, m.")
+        .def("set_filter", &SceneBuilder::set_filter,
+             "Settings of the filters of all sensors: standard deviations position, velocity, "
+             "attitude, angular_velocity; model errors acceleration_density, "
+             "angular_acceleration_density, drift, turning; gate.")
+        .def("add_recorder", &SceneBuilder::add_recorder, "body"_a, "device"_a = "smartrock-like",
+             "rate"_a = 500.0, "seed"_a = 1,
+             "Puts an inertial sensor into a rock: ideal, lab-grade, smartrock-like or cheap; "
+             "rate: Hz.")
+        .def(
+            "add_fines",
+            [](SceneBuilder& s, double p4, double p200, double saturation, double voxel,
+               const Triple& low, const Triple& high) {
+                s.add_fines(p4, p200, saturation, voxel, vector(low), vector(high));
+            },
+            "p4"_a, "p200"_a = 0.0, "saturation"_a = 0.0, "voxel"_a = 5e-3, "low"_a = nowhere,
+            "high"_a = everywhere,
+            "Fills the voids, between planes, membrane and the corners low and high (m), with "
+            "fines (% of the mass below 4.75 mm and 0.075 mm) and water (fraction of the rest), "
+            "which weaken the contacts. No body may be added after that.");
 }
 
 void define_simulation(py::module_& m) {
@@ -159,6 +194,20 @@ void define_simulation(py::module_& m) {
                 return s.world().resource<Membrane>().pressure;
             },
             "Pressure (Pa) on each ring of the membrane in the last step.")
+        .def("recordings", &Self::recordings, "exact"_a = false,
+             "Recordings of the inertial sensors, a dictionary for each: body, time (s), force "
+             "(m/s2) and rate (rad/s) in its axes, saturated. exact: by devices without errors.")
+        .def(
+            "field",
+            [](Self& s, const std::string& name, double voxel) {
+                return field_of(s.world(), name, voxel);
+            },
+            "name"_a, "voxel"_a = 5e-3,
+            "A field of voxels, as porosity, velocity, mean_stress or fouling: values (by x, y, z; "
+            "NaN outside the ballast), origin (m, centre of the first voxel), voxel (m), units.")
+        .def(
+            "fouling", [](Self& s) { return fouling_of(s.world()); },
+            "Masses, volumes and indices of the fines of a scene.")
         .def("save", &Self::save, "path"_a, "Writes a checkpoint.")
         .def("load", &Self::load, "path"_a, "Restores a checkpoint of the same scene.");
 }

@@ -3,6 +3,8 @@
 #include "engine/errors.hpp"
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
+#include "systems/fields/initial_fouling.hpp"
 
 #include <fmt/format.h>
 
@@ -29,13 +31,30 @@ constexpr std::array<std::pair<const char*, double Material::*>, 11> properties{
      {"rolling_friction", &Material::rolling_friction},
      {"twisting_friction", &Material::twisting_friction}}};
 
-double Material::*property_named(const std::string& name) {
-    std::string names;
-    for (const auto& [known, member] : properties) {
-        if (name == known) return member;
-        names += (names.empty() ? "" : ", ") + std::string(known);
+constexpr std::array<std::pair<const char*, double FilterSettings::*>, 9> filter_settings{
+    {{"position", &FilterSettings::position},
+     {"velocity", &FilterSettings::velocity},
+     {"attitude", &FilterSettings::attitude},
+     {"angular_velocity", &FilterSettings::angular_velocity},
+     {"acceleration_density", &FilterSettings::acceleration_density},
+     {"angular_acceleration_density", &FilterSettings::angular_acceleration_density},
+     {"drift", &FilterSettings::drift},
+     {"turning", &FilterSettings::turning},
+     {"gate", &FilterSettings::gate}}};
+
+/// Sets the members of `of` that `given` names. `what`: of which they are, for messages.
+void set_members(auto& of, const auto& members, const py::kwargs& given, const char* what) {
+    for (const auto& [key, value] : given) {
+        const auto name = key.template cast<std::string>();
+        std::string names;
+        bool found = false;
+        for (const auto& [known, member] : members) {
+            if (name == known) of.*member = value.template cast<double>();
+            found = found || name == known;
+            names += (names.empty() ? "" : ", ") + std::string(known);
+        }
+        require(found, fmt::format("{}: expected one of {}, found {}", what, names, name));
     }
-    throw InputError("material: expected one of " + names + ", found " + name);
 }
 
 Grains grains_named(const std::string& name) {
@@ -61,8 +80,7 @@ SceneBuilder::SceneBuilder(const std::string& grains, double step, const Vec3& g
 
 std::uint32_t SceneBuilder::add_material(const py::kwargs& given) {
     Material material;
-    for (const auto& [key, value] : given)
-        material.*property_named(key.cast<std::string>()) = value.cast<double>();
+    set_members(material, properties, given, "material");
     return world().resource<Materials>().add(material);
 }
 
@@ -71,6 +89,7 @@ void SceneBuilder::check(std::uint32_t material) const {
     require(material < known, fmt::format("material: expected an index below {}, the number of "
                                           "materials of the scene, found {}",
                                           known, material));
+    require(!world_.has_resource<Fouling>(), "scene: expected no body after the fines");
 }
 
 EntityId SceneBuilder::add_sphere(const Vec3& position, double radius, std::uint32_t material,
@@ -153,7 +172,47 @@ void SceneBuilder::set_velocity(EntityId body, const Vec3& velocity) {
     value_of<DriveVelocity>(world(), body) = velocity;
 }
 
+void SceneBuilder::add_sensor(EntityId body, const std::vector<double>& times,
+                              const std::vector<Vec3>& positions, double deviation) {
+    require(times.size() == positions.size(),
+            fmt::format("sensor: expected as many positions as times, found {} and {}",
+                        positions.size(), times.size()));
+    require(deviation > 0,
+            fmt::format("sensor: expected a standard deviation above 0 m, found {:g}", deviation));
+    (void)value_of<Position>(world(), body);
+    hosts_.push_back(body);
+    auto& samples = samples_.emplace_back();
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        Measured what;
+        what.position = positions[k];
+        what.position_deviation = deviation;
+        samples.push_back({.time = times[k], .what = what});
+    }
+}
+
+void SceneBuilder::set_filter(const py::kwargs& settings) {
+    set_members(filter_, filter_settings, settings, "filter");
+}
+
+void SceneBuilder::add_recorder(EntityId body, const std::string& device, double rate,
+                                std::uint64_t seed) {
+    require(rate > 0, fmt::format("recorder: expected a rate above 0 Hz, found {:g}", rate));
+    ImuModel model = imu_preset(device);
+    model.rate = rate;
+    const Vec3 gravity =
+        world().has_resource<Gravity>() ? world().resource<Gravity>().value : Vec3(Vec3::Zero());
+    bris::add_recorder(world(), body, model, gravity, seed);
+}
+
+void SceneBuilder::add_fines(double p4, double p200, double saturation, double voxel,
+                             const Vec3& low, const Vec3& high) {
+    require(!world().has_resource<Fouling>(), "fines: expected them once, found them twice");
+    add_fouling(world(), {.voxel = voxel}, {}, {low, high});
+    fill_with_fines(world(), {.p4 = p4, .p200 = p200, .saturation = saturation});
+}
+
 World SceneBuilder::take() {
+    if (!hosts_.empty()) add_sensors(world(), hosts_, samples_, filter_);
     World result = std::move(world());
     taken_ = true;
     return result;

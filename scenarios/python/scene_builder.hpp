@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scenarios/specimens/scene.hpp"
+#include "systems/fusion/fuse.hpp"
 
 #include <filesystem>
 #include <pybind11/pybind11.h>
@@ -37,6 +38,23 @@ public:
                       double pressure, double contact_stiffness, std::uint32_t material);
     void set_velocity(EntityId body, const Vec3& velocity);
 
+    /// Makes a body a sensor rock whose recorded positions correct its motion. `times`: s on the
+    /// clock of the simulation, ascending, above 0; `positions`: m, one for each time; `deviation`:
+    /// m, standard deviation of an axis.
+    void add_sensor(EntityId body, const std::vector<double>& times,
+                    const std::vector<Vec3>& positions, double deviation);
+    /// Settings of the filters of all sensors, by their names in FilterSettings. Throws InputError
+    /// for an unknown name.
+    void set_filter(const pybind11::kwargs& settings);
+    /// Puts an inertial sensor of a class of devices (imu_preset) into a rock; it records from the
+    /// start at `rate` (Hz).
+    void add_recorder(EntityId body, const std::string& device, double rate, std::uint64_t seed);
+    /// Fills the voids of the scene with fines and water (InitialFouling: %, %, fraction) on voxels
+    /// (m), between planes, membrane and the corners `low` and `high` (m). No body comes after
+    /// that.
+    void add_fines(double p4, double p200, double saturation, double voxel, const Vec3& low,
+                   const Vec3& high);
+
     /// Hands over the world. Throws InputError if a simulation has taken it already.
     World take();
 
@@ -45,6 +63,9 @@ private:
     void check(std::uint32_t material) const;
     World world_;
     bool taken_ = false;
+    std::vector<EntityId> hosts_; // of sensors
+    std::vector<std::vector<TimedMeasurement>> samples_;
+    FilterSettings filter_;
 };
 
 } // namespace bris

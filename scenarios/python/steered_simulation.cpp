@@ -3,10 +3,12 @@
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "scenarios/python/arrays.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/start.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/contact_list.hpp"
+#include "systems/recorder/record_motion.hpp"
 
 #include <fmt/format.h>
 
@@ -16,6 +18,7 @@
 namespace bris {
 
 namespace py = pybind11;
+using namespace py::literals;
 
 namespace {
 
@@ -66,6 +69,7 @@ SteeredSimulation::SteeredSimulation(SceneBuilder& scene, const std::string& law
             fmt::format("scene: expected a step of at most {:.4g} s, the stable step of a first "
                         "contact, found {:.4g} s",
                         longest, dt));
+    if (world().has_resource<InertialRecorders>()) start_recording(world());
 }
 
 const Simulation& SteeredSimulation::idle() const {
@@ -143,6 +147,28 @@ py::dict SteeredSimulation::contacts() const {
     columns["normal_force"] = array_of(normal_force);
     columns["overlap"] = array_of(overlap);
     return columns;
+}
+
+py::list SteeredSimulation::recordings(bool exact) const {
+    const World& scene = idle().world();
+    require(scene.has_resource<InertialRecorders>(),
+            "recordings: expected a scene with inertial sensors (add_recorder), found none");
+    py::list all;
+    for (const InertialRecorder& recorder : scene.resource<InertialRecorders>().list) {
+        std::vector<double> time, force, rate;
+        std::vector<std::uint8_t> saturated;
+        for (const ImuSample& s : (exact ? recorder.exact : recorder.device).samples) {
+            if (s.lost) continue;
+            time.push_back(s.time);
+            force.insert(force.end(), s.force.begin(), s.force.end());
+            rate.insert(rate.end(), s.rate.begin(), s.rate.end());
+            saturated.push_back(s.saturated ? 1 : 0);
+        }
+        all.append(py::dict("body"_a = recorder.body, "time"_a = array_of(time),
+                            "force"_a = array_of(force, 3), "rate"_a = array_of(rate, 3),
+                            "saturated"_a = array_of(saturated)));
+    }
+    return all;
 }
 
 void SteeredSimulation::save(const std::filesystem::path& path) const {

@@ -38,6 +38,10 @@ public:
     /// The touching pairs of the last step, an array for each quantity.
     pybind11::dict contacts() const;
 
+    /// What each inertial sensor has recorded: `body`, `time` (s, on its own clock), `force` (m/s2)
+    /// and `rate` (rad/s) in its axes, `saturated`. `exact`: by a device without errors.
+    pybind11::list recordings(bool exact) const;
+
     void save(const std::filesystem::path& path) const;
     /// Restores State that was saved from the same scene.
     void load(const std::filesystem::path& path);

@@ -25,15 +25,13 @@ Simulation start(World world, const StartSettings& s) {
 
 void divide_among_ranks(Simulation& simulation) {
     if (Ranks::size() == 1) return;
-    const std::string reason = reason_not_to_divide(simulation.world());
-    require(reason.empty(),
-            fmt::format("--ranks: expected a scene that can be divided, found {}", reason));
     simulation.divide({.take =
                            [](World& whole) {
                                survey(whole);
                                return take_slab(whole);
                            },
-                       .give_back = give_back});
+                       .give_back = give_back,
+                       .whole_step_is_due = whole_step_is_due});
 }
 
 Simulation start_unchecked(World world, const StartSettings& s) {

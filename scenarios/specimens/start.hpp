@@ -21,8 +21,7 @@ struct StartSettings {
 /// list of steps. Throws InputError if the scene cannot be simulated (check_scene).
 Simulation start(World world, const StartSettings& settings);
 
-/// Divides the world among the ranks of the run while it advances, which `start` does. Throws
-/// InputError if it has what cannot be divided (reason_not_to_divide).
+/// Divides the world among the ranks of the run while it advances, which `start` does.
 void divide_among_ranks(Simulation& simulation);
 
 /// The same without the check, for scenes that are tried on purpose.

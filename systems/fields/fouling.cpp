@@ -155,9 +155,8 @@ void prepare_voids(World& world) {
 bool fouling_is_due(const World& world) {
     if (!world.has_resource<Fouling>()) return false;
     const auto& f = world.resource<Fouling>();
-    if (f.stale) return true;
-    if (world.resource<Clock>().step % f.settings.check_every != 0) return false;
-    if (f.settings.moves()) return true;
+    if (!f.is_checked(world.resource<Clock>().step)) return false;
+    if (f.stale || f.settings.moves()) return true;
     const Table& bodies = world.table<Bodies>();
     const auto id = bodies.column<BodyId>();
     const auto position = bodies.column<Position>();

@@ -39,7 +39,7 @@ struct FoulingSettings {
 /// that moving them is exact.
 struct Fouling {
     static constexpr auto name = "fouling";
-    static constexpr bool is_state = true;
+    static constexpr bool is_state = true, changes_in_whole_steps_only = true;
 
     FoulingSettings settings;
     Box3 box; ///< m, in which fields exist besides those of planes and membrane
@@ -57,6 +57,8 @@ struct Fouling {
     std::uint64_t revision = 0; ///< Derived: counts changes of what bodies see
     std::uint64_t updates = 0;  ///< Derived: for reports
 
+    /// Whether it is looked in this step if the fields must be brought up to date.
+    bool is_checked(std::uint64_t step) const { return stale || step % settings.check_every == 0; }
     void save(Archive& archive) const;
     void load(const Archive& archive);
 };

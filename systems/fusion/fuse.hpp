@@ -30,7 +30,7 @@ struct Replay {
 /// The filters of a scene's sensors, by sensor row, and how their corrections are applied.
 struct Fusion {
     static constexpr auto name = "fusion";
-    static constexpr bool is_state = true;
+    static constexpr bool is_state = true, changes_in_whole_steps_only = true;
     std::vector<SensorFilter> filters;
     /// Steps over which a correction of the pose is applied; 1: direct insertion (set_correction).
     unsigned injection_steps = 1;

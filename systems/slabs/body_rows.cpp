@@ -1,6 +1,7 @@
 #include "systems/slabs/body_rows.hpp"
 
 #include "components/body.hpp"
+#include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 namespace bris::detail {
@@ -194,14 +196,35 @@ void overwrite_bodies(World& world, const Ranks::Bytes& packed) {
 std::vector<Row> boundaries_of(const World& world) { return bodies_of(world, false); }
 std::vector<Row> grains_of(const World& world) { return bodies_of(world, true); }
 
-void keep_bodies(World& world, std::span<const Row> bodies, std::span<const Row> owners) {
+void keep_bodies(World& world, std::span<const Row> bodies) {
     std::vector<Row> kept = boundaries_of(world);
     kept.insert(kept.end(), bodies.begin(), bodies.end());
     for_pair_tables(world, [&]<class Pairs>() {
-        keep_rows(world.table<Pairs>(), pairs_of<Pairs>(world, owners));
+        keep_rows(world.table<Pairs>(), pairs_of<Pairs>(world, bodies));
     });
     keep_rows(world.table<Spheres>(), spheres_of(world, bodies));
     keep_rows(world.table<Bodies>(), std::move(kept));
+}
+
+World copy_of_bodies(const World& whole, std::span<const Row> bodies) {
+    const auto rows_of = [&](const Table& table) -> std::optional<std::vector<Row>> {
+        if (table.name() == Bodies::name) {
+            std::vector<Row> rows = boundaries_of(whole);
+            rows.insert(rows.end(), bodies.begin(), bodies.end());
+            return rows;
+        }
+        if (table.name() == Spheres::name) return spheres_of(whole, bodies);
+        std::optional<std::vector<Row>> rows;
+        for_pair_tables(whole, [&]<class Pairs>() {
+            if (table.name() == Pairs::name) rows = pairs_of<Pairs>(whole, bodies);
+            if (table.name() == Pairs::Near::name) rows.emplace();
+        });
+        if (table.name() == Listed::name || table.name() == ForceSums::name) rows.emplace();
+        return rows;
+    };
+    World part(whole, rows_of);
+    for_pair_tables(whole, [&]<class Pairs>() { part.resource<NearIndex<Pairs>>() = {}; });
+    return part;
 }
 
 } // namespace bris::detail

@@ -22,9 +22,11 @@ void append_bodies(World& world, const Ranks::Bytes& packed);
 /// appends their pairs.
 void overwrite_bodies(World& world, const Ranks::Bytes& packed);
 
-/// Removes all bodies with spheres, and what belongs to them, but those of `bodies`. Of the pairs,
-/// those remain that `owners` own. The bodies without spheres remain and become the first rows.
-void keep_bodies(World& world, std::span<const Row> bodies, std::span<const Row> owners);
+/// Removes all bodies with spheres, and what belongs to them, but those of `bodies`. The bodies
+/// without spheres remain and become the first rows.
+void keep_bodies(World& world, std::span<const Row> bodies);
+/// A world that has these bodies with spheres only, and of its lists nothing.
+World copy_of_bodies(const World& whole, std::span<const Row> bodies);
 
 /// Bodies without spheres, and bodies with spheres, by row. They do not need `SpheresOf`.
 std::vector<Row> boundaries_of(const World& world);

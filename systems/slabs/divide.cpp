@@ -1,6 +1,3 @@
-#include "components/fouling.hpp"
-#include "components/sensor.hpp"
-#include "components/sleep.hpp"
 #include "engine/health.hpp"
 #include "engine/ranks.hpp"
 #include "systems/slabs/body_rows.hpp"
@@ -12,13 +9,6 @@
 #include <limits>
 
 namespace bris {
-
-std::string reason_not_to_divide(const World& world) {
-    if (world.has_resource<Sleep>()) return "bodies that sleep";
-    if (world.has<Sensors>()) return "sensors";
-    if (world.table<Bodies>().has<FoulingAround>()) return "fines";
-    return "";
-}
 
 unsigned most_slabs(const World& world) {
     const auto position = world.column<Bodies, Position>();
@@ -54,16 +44,27 @@ void copy_boundaries(const World& part, World& whole) {
     }
 }
 
-} // namespace
-
-World take_slab(const World& whole) {
-    World part(whole);
+Slab slab_of_this_rank(const World& whole) {
     Slab slab;
     slab.rank = Ranks::rank();
     slab.axis = detail::longest_axis(whole);
     slab.widest_skin = whole.resource<ListState>().widest_skin;
     slab.cuts = detail::even_cuts(detail::work_along(whole, slab.axis, {}), Ranks::size());
-    part.resource<ListSettings>().widest_skin = slab.widest_skin;
+    return slab;
+}
+
+} // namespace
+
+std::vector<unsigned> ranks_of_bodies(const World& whole) {
+    const Slab slab = slab_of_this_rank(whole);
+    std::vector<unsigned> ranks;
+    for (const Vec3& x : whole.column<Bodies, Position>())
+        ranks.push_back(static_cast<unsigned>(slab.owner_of(x[slab.axis])));
+    return ranks;
+}
+
+World take_slab(const World& whole) {
+    Slab slab = slab_of_this_rank(whole);
     std::vector<Row> here;
     const auto position = whole.column<Bodies, Position>();
     const detail::Reach reach(whole, slab);
@@ -71,7 +72,8 @@ World take_slab(const World& whole) {
     for (Row b = 0; b < run.size(); ++b)
         if (run[b].count > 0 && slab.is_near(position[b][slab.axis], reach[b], slab.rank))
             here.push_back(b);
-    detail::keep_bodies(part, here, here);
+    World part = detail::copy_of_bodies(whole, here);
+    part.resource<ListSettings>().widest_skin = slab.widest_skin;
     part.table<Bodies>().add<Ghost>();
     part.add_resource(std::move(slab));
     detail::mark_ghosts(part);
@@ -91,8 +93,10 @@ void give_back(const World& part, World& whole) {
     detail::overwrite_bodies(whole, detail::pack_bodies(part, detail::boundaries_of(part), false));
     copy_boundaries(part, whole);
     Archive resources;
-    for (const auto& held : part.resources()) held->save(resources);
-    for (const auto& held : whole.resources()) held->load(resources);
+    for (const auto& held : part.resources())
+        if (!held->changes_in_whole_steps_only) held->save(resources);
+    for (const auto& held : whole.resources())
+        if (!held->changes_in_whole_steps_only) held->load(resources);
     whole.resource<Health>() = part.resource<Health>();
     whole.resource<ListState>().stale = true;
 }

@@ -49,7 +49,7 @@ void exchange_bodies(Slab& slab, World& world) {
     for (unsigned r = 0; r < near.size(); ++r)
         if (r != slab.rank && !near[r].empty()) to[r] = detail::pack_bodies(world, near[r]);
     const auto from = Ranks::exchange(to);
-    detail::keep_bodies(world, near[slab.rank], near[slab.rank]);
+    detail::keep_bodies(world, near[slab.rank]);
     for (const auto& packed : from) detail::append_bodies(world, packed);
     detail::mark_ghosts(world);
 }

@@ -9,10 +9,9 @@ namespace bris {
 
 namespace {
 
-/// Every step passes position, velocity, acceleration and two angular velocities, and in scenes of
-/// clumps the orientation.
+/// Gives ghosts the values of these columns that their own ranks have computed.
 template <class... Cs, class BodyRows>
-void pass_motion(const BodyRows& bodies, Slab& slab) {
+void pass_columns(const BodyRows& bodies, Slab& slab) {
     constexpr std::size_t width = (sizeof(typename Cs::Value) + ...);
     const auto for_columns = [&](Row b, auto&& visit) {
         (visit(bodies.template column<Cs>()[b]), ...);
@@ -75,16 +74,18 @@ void pass_spheres(Rows<Bodies, const SphereInertia, Position, Velocity, Accelera
                        AngularVelocity, StepAngularVelocity>
                       bodies,
                   Slab& slab) {
-    pass_motion<Position, Velocity, Acceleration, AngularVelocity, StepAngularVelocity>(bodies,
-                                                                                        slab);
+    pass_columns<Position, Velocity, Acceleration, AngularVelocity, StepAngularVelocity>(bodies,
+                                                                                         slab);
 }
 
 void pass_clumps(Rows<Bodies, Position, Velocity, Acceleration, AngularVelocity,
                       StepAngularVelocity, Orientation>
                      bodies,
                  Slab& slab) {
-    pass_motion<Position, Velocity, Acceleration, AngularVelocity, StepAngularVelocity,
-                Orientation>(bodies, slab);
+    pass_columns<Position, Velocity, Acceleration, AngularVelocity, StepAngularVelocity,
+                 Orientation>(bodies, slab);
 }
+
+void pass_resting(Rows<Bodies, Resting> bodies, Slab& slab) { pass_columns<Resting>(bodies, slab); }
 
 } // namespace bris

@@ -10,21 +10,19 @@
 #include "components/recorder.hpp"
 #include "components/settings.hpp"
 #include "components/slab.hpp"
+#include "components/sleep.hpp"
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
 #include "engine/health.hpp"
 #include "engine/rows.hpp"
 
-#include <string>
+#include <vector>
 
 namespace bris {
 
 // A world that is divided among the ranks of a run: each rank computes the bodies of one slab, and
 // both sides of a cut compute the contacts across it, from the same numbers. The sums of forces are
 // integers, so that the results have the same bits for any number of ranks.
-
-/// Why a world cannot be divided among ranks; empty if it can.
-std::string reason_not_to_divide(const World& world);
 
 /// Number of slabs into which a world can be divided along its longest side, if each is at least as
 /// wide as two of its largest bodies; at least 1. Thinner slabs would hold little but ghosts.
@@ -34,6 +32,9 @@ unsigned most_slabs(const World& world);
 /// boundaries. The slabs hold equal numbers of spheres. `SpheresOf`, `Census` and the widest skin
 /// of `ListState` must be up to date.
 World take_slab(const World& whole);
+
+/// The rank in whose slab each body of a whole world lies if it is divided now, by row.
+std::vector<unsigned> ranks_of_bodies(const World& whole);
 
 /// Writes the State of all parts back into the whole world of each rank.
 void give_back(const World& part, World& whole);
@@ -81,5 +82,7 @@ void pass_clumps(Rows<Bodies, Position, Velocity, Acceleration, AngularVelocity,
                       StepAngularVelocity, Orientation>
                      bodies,
                  Slab& slab);
+/// Gives ghosts the number of steps for which they have been at rest, where bodies sleep.
+void pass_resting(Rows<Bodies, Resting> bodies, Slab& slab);
 
 } // namespace bris

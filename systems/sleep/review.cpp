@@ -2,6 +2,7 @@
 #include "components/pair.hpp"
 #include "components/sensor.hpp"
 #include "components/settings.hpp"
+#include "components/slab.hpp"
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
 #include "systems/sleep/sleep.hpp"
@@ -122,6 +123,9 @@ void leave_idle_rows(World& world, const Sleep& sleep, bool all) {
         };
         mark.template operator()<SpherePairs>();
         mark.template operator()<PlanePairs>();
+        const Ghosts ghosts(world.table<Bodies>()); // which may be woken by bodies not known here
+        for (Row b = 0; b < written.size(); ++b)
+            if (ghosts[b]) written[b] = 1;
         idle.assign((written.size() + Table::idle_rows - 1) / Table::idle_rows, 1);
         for (std::size_t b = 0; b < written.size(); ++b)
             if (written[b] != 0) idle[b / Table::idle_rows] = 0;

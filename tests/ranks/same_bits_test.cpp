@@ -5,6 +5,10 @@
 #include "engine/state.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/fields/initial_fouling.hpp"
+#include "systems/fusion/fuse.hpp"
+#include "systems/sleep/sleep.hpp"
 
 #include <doctest/doctest.h>
 
@@ -93,6 +97,38 @@ World tube_scene(Grains grains) {
               .pressure = 2e3,
               .contact_stiffness = 8e4},
              wall);
+    return world;
+}
+
+/// A heap that slides through its fines.
+World fouled_heap(const FoulingSettings& settings) {
+    World world = long_heap(Grains::clumps, Walls::planes, 60, 4);
+    add_fouling(world, settings);
+    fill_with_fines(world, {.p4 = 10, .p200 = 2, .saturation = 0.5});
+    return world;
+}
+
+/// A heap of which some grains record where they should be, every three milliseconds.
+World heap_with_sensors(Grains grains, const NudgingSettings& nudging) {
+    World world = long_heap(grains, Walls::planes, 60, 6);
+    std::vector<EntityId> hosts;
+    std::vector<std::vector<TimedMeasurement>> samples;
+    const auto id = world.column<Bodies, BodyId>();
+    const auto position = world.column<Bodies, Position>();
+    const auto mass = world.column<Bodies, Mass>();
+    for (Row b = 3; b < mass.size(); b += 11) {
+        if (!(mass[b] > 0)) continue;
+        hosts.push_back(id[b]);
+        samples.emplace_back();
+        for (int k = 1; k <= 8; ++k) {
+            TimedMeasurement m{.time = 3e-3 * k, .what = {}};
+            m.what.position = position[b] + Vec3(1e-4 * k, 0, -1e-4 * k);
+            m.what.position_deviation = 1e-4;
+            samples.back().push_back(m);
+        }
+    }
+    add_sensors(world, hosts, samples, {.position = 1e-3, .velocity = 0.1, .gate = 1}, 10);
+    world.resource<Fusion>().nudging = nudging;
     return world;
 }
 
@@ -205,6 +241,76 @@ TEST_SUITE("ranks") {
         CHECK(difference(whole, run(true)) == "");
     }
 
+    TEST_CASE("fines and water move, and weaken contacts, as without ranks") {
+        FoulingSettings settings{.voxel = 5e-3, .samples = 2, .refresh = 0.05, .check_every = 40};
+        for (const double pumping : {0.0, 1e-2}) { // the second: fields change at every check
+            CAPTURE(pumping);
+            settings.pumping = pumping;
+            settings.drains = pumping > 0;
+            Simulation whole = begin(fouled_heap(settings), plain());
+            whole.divide({});
+            whole.advance(900);
+            CHECK(whole.world().resource<Fouling>().updates > 3);
+            Simulation divided = begin(fouled_heap(settings), plain());
+            divided.advance_unseen(115);
+            CHECK(divided.part() != nullptr);
+            divided.advance(785);
+            CHECK(difference(whole.snapshot(), divided.snapshot()) == "");
+        }
+    }
+
+    TEST_CASE("recordings of sensors correct the motion as without ranks") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps})
+            for (const double stiffness : {0.0, 500.0}) {
+                CAPTURE(static_cast<int>(grains));
+                CAPTURE(stiffness);
+                const auto make = [&] {
+                    return heap_with_sensors(grains, {.stiffness = stiffness, .largest_force = 1});
+                };
+                Simulation whole = begin(make(), plain());
+                whole.divide({});
+                whole.advance(1300);
+                CHECK(fusion_work(whole.world()) != 0);
+                Simulation divided = begin(make(), plain());
+                divided.advance_unseen(500);
+                CHECK(divided.part() != nullptr);
+                divided.advance(800);
+                CHECK(difference(whole.snapshot(), divided.snapshot()) == "");
+            }
+    }
+
+    TEST_CASE("bodies fall asleep, and are woken, as without ranks") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+            CAPTURE(static_cast<int>(grains));
+            const auto run = [&](bool is_divided) {
+                World world = tumbling({.grains = grains, .bodies = 60});
+                auto& materials = world.resource<Materials>();
+                for (Material& m : materials.list) m.rolling_friction = m.twisting_friction = 0.1;
+                materials.mix();
+                world.add_resource(LocalDamping{0.3});
+                add_sleep(world, {.steps = 200});
+                BenchSettings settings = plain();
+                settings.law = LawName::linear_rolling;
+                Simulation simulation = begin(std::move(world), settings);
+                if (!is_divided) simulation.divide({});
+                simulation.advance(30'000);
+                CHECK(sleepers(simulation.world()) > 20);
+                // the highest of the sleepers is lifted, falls onto others and wakes them
+                World& settled = simulation.world();
+                const auto position = settled.column<Bodies, Position>();
+                const auto highest = static_cast<Row>(
+                    std::ranges::max_element(position, {}, [](const Vec3& x) { return x.z(); }) -
+                    position.begin());
+                position[highest].z() += 0.02;
+                settled.column<Bodies, Resting>()[highest] = 0;
+                invalidate_lists(settled);
+                simulation.advance(4'000);
+                return simulation.snapshot();
+            };
+            CHECK(difference(run(false), run(true)) == "");
+        }
+    }
+
     TEST_CASE("the one grain of a stiff material counts once, on whatever ranks it is a ghost") {
         const auto make = [] {
             World world = long_heap(Grains::spheres, Walls::planes, 90, 8);
@@ -290,17 +396,22 @@ TEST_SUITE("ranks") {
             settings.lists.outer_skin = number(0.0006, 0.004);
             settings.lists.inner_skin = settings.lists.outer_skin * number(0.1, 0.9);
             settings.lists.tune = number(0, 1) < 0.5;
+            const auto before = static_cast<std::uint64_t>(number(30, 300));
+            const bool may_sleep =
+                number(0, 1) < 0.4 && walls == Walls::planes && !settings.energy_budget;
             const auto make = [&] {
                 World world =
                     bed({.grains = grains, .walls = walls, .bodies = bodies, .seed = k + 1});
                 // to and fro along x, so that bodies hop over the cuts
                 world.resource<Gravity>().value = Vec3(k % 2 == 0 ? push : -push, push / 3, -9.81);
+                // sooner than they should, so that some sleep and are woken
+                if (may_sleep) add_sleep(world, {.acceleration = 3, .speed = 0.03, .steps = 10});
                 return world;
             };
             CAPTURE(k);
             const Archive whole = undivided(make(), settings, 500);
             Simulation divided = begin(make(), settings);
-            divided.advance(static_cast<std::uint64_t>(number(30, 300)));
+            divided.advance(before);
             divided.advance(500 - divided.step());
             REQUIRE(difference(whole, divided.snapshot()) == "");
         }

@@ -1,6 +1,10 @@
 #include "engine/errors.hpp"
+#include "scenarios/ballast_box/box_scene.hpp"
+#include "scenarios/ballast_box/hanging_tie.hpp"
 #include "scenarios/ballast_box/rail.hpp"
 #include "scenarios/ballast_box/train.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/start.hpp"
 #include "tests/about.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -45,6 +49,46 @@ TEST_SUITE("ballast_box") {
             CHECK(reactions[30] ==
                   about(usual.share(x)).epsilon(0.01 * usual.share(0) / std::abs(usual.share(x))));
         }
+    }
+
+    TEST_CASE(
+        "rails without one of their ties are as stiff there as the reaction of that tie to a "
+        "load above it says, and push a hanging tie as much as one that lies on its support") {
+        std::vector<double> at;
+        for (int tie = -30; tie <= 30; ++tie) at.push_back(0.61 * tie);
+        const double reaction = rail_reactions(at, usual.tie_support, usual.bending, 0)[30];
+        CHECK(usual.stiffness_without_tie() ==
+              about(usual.tie_support * (1 - reaction) / reaction).epsilon(0.01));
+        // on a support of the usual stiffness, a spring of K and its load share as the beam does
+        const Train train = train_named("locomotive");
+        const double k = usual.stiffness_without_tie(), weight = 3000;
+        const LoadHistory lies = passing_load(train, 20, usual, 0),
+                          hangs = passing_load_of_hanging_tie(train, 20, usual, weight);
+        for (std::size_t n = 0; n < lies.values.size(); n += 100) {
+            const double deflection = (hangs.values[n] + weight) / (k + usual.tie_support);
+            CHECK(usual.tie_support * deflection == about(lies.values[n]));
+        }
+    }
+
+    TEST_CASE("a hanging tie that touches nothing follows the rails") {
+        Simulation simulation = start(make_box_world({.model = "bay", .rock_scale = 2.5}, 1),
+                                      {.law = LawName::linear_viscous});
+        const EntityId tie = simulation.world().resource<BoxBodies>().ties.front();
+        Vec3 at = value_of<Position>(simulation, tie);
+        at.z() = 1.5;
+        release(simulation.world(), tie, at);
+        hang_tie(simulation.world(), usual, 0.5, 0.002);
+        constexpr double guides = 2e-7; // against rotation give way by 0.2 um
+        simulation.prepare();
+        simulation.world().resource<Clock>().dt = 1e-5;
+        simulation.advance(20'000);
+        CHECK(value_of<Position>(simulation, tie).z() == about(1.502).epsilon(guides));
+        auto& load = simulation.world().resource<Loads>();
+        const double deflection = 0.003, stiffness = 0.5 * usual.stiffness_without_tie();
+        load.of_body[value_of<LoadOf>(simulation, tie) - 1].front().history.mean +=
+            stiffness * deflection;
+        simulation.advance(40'000);
+        CHECK(value_of<Position>(simulation, tie).z() == about(1.502 - deflection).epsilon(guides));
     }
 
     TEST_CASE("the impulse of a passing train on a tie is its weight times the spacing over the "

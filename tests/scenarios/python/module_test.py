@@ -12,6 +12,7 @@ import numpy as np
 import bris
 
 BINARIES = Path(os.environ['BRIS_BINARIES'])
+CLUMP = Path(__file__).resolve().parents[3] / 'assets' / 'clumps' / 'rock_01.csv'
 
 
 def column_of_spheres(threads=1, count=30):
@@ -168,6 +169,70 @@ class ModuleTest(unittest.TestCase):
             s.move_platen(1)
         with self.assertRaises(OSError):
             s.load('no/such/file.ckpt.h5')
+
+    def test_fines_fill_the_voids_of_a_box_and_fields_show_them(self):
+        scene = bris.Scene('spheres', step=1e-5)
+        rock = scene.add_material(density=2600, normal_stiffness=1e6, shear_stiffness=1e6, friction=0.5, normal_damping=3000)
+        side = 0.06
+        for point, normal in (((0, 0, 0), (1, 0, 0)), ((side, 0, 0), (-1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((0, side, 0), (0, -1, 0)),
+                              ((0, 0, 0), (0, 0, 1))):
+            scene.add_plane(point, normal, rock)
+        for k in range(27):
+            scene.add_sphere((0.01 + 0.02 * (k % 3), 0.01 + 0.02 * (k // 3 % 3), 0.01 + 0.02 * (k // 9)), 0.01, rock)
+        scene.add_fines(p4=20, p200=4, saturation=0.5, voxel=2.5e-3, high=(1, 1, side))
+        with self.assertRaisesRegex(bris.InputError, 'no body after the fines'):
+            scene.add_sphere((0, 0, 1), 0.01, rock)
+        s = bris.Simulation(scene)
+        fouling, porosity, fines = s.fouling(), s.field('porosity'), s.field('fouling')
+        solid = 27 * 4 / 3 * np.pi * 0.01**3
+        self.assertAlmostEqual(fouling['ballast_mass_kg'], 2600 * solid)
+        self.assertAlmostEqual(fouling['fines_mass_kg'] / (fouling['fines_mass_kg'] + 2600 * solid), 0.2)
+        self.assertAlmostEqual(fouling['void_volume_m3'] / (side**3 - solid), 1, delta=0.02)
+        self.assertEqual(porosity['values'].shape, (24, 24, 24))
+        self.assertEqual(porosity['voxel'], 2.5e-3)
+        np.testing.assert_allclose(porosity['origin'], 1.25e-3, rtol=1e-9)
+        self.assertAlmostEqual(np.nanmean(porosity['values']), 1 - solid / side**3, delta=2e-3)
+        self.assertGreater(np.nanmax(fines['values']), 0)
+        self.assertEqual(s.field('velocity')['values'].shape, (24, 24, 24, 3))
+        with self.assertRaisesRegex(bris.InputError, 'porosity'):
+            s.field('colour')
+        with self.assertRaisesRegex(bris.InputError, 'found none'):
+            column_of_spheres().fouling()
+
+    def test_a_sensor_pulls_its_sphere_to_the_recorded_path(self):
+        heights = []
+        for recorded in (False, True):
+            scene = bris.Scene('spheres', step=1e-5)
+            rock = scene.add_material(density=2600, normal_stiffness=1e6, friction=0.5)
+            scene.add_plane((0, 0, 0), (0, 0, 1), rock)
+            ball = scene.add_sphere((0, 0, 0.5), 0.01, rock)
+            times = [1e-3 * k for k in range(1, 50)]
+            if recorded:  # it falls with 9 m/s2 only
+                scene.set_filter(position=1e-3, velocity=0.1, acceleration_density=1e-2)
+                scene.add_sensor(ball, times, [(0, 0, 0.5 - 4.5 * t**2) for t in times], deviation=1e-6)
+            s = bris.Simulation(scene)
+            s.advance(4900)
+            heights.append(s.position(ball)[2])
+        self.assertAlmostEqual(heights[0], 0.5 - 4.905 * 0.049**2, delta=5e-6)
+        self.assertAlmostEqual(heights[1], 0.5 - 4.5 * 0.049**2, delta=2e-5)
+        self.assertEqual(s.state()['sensors/accepted'], 49)
+        with self.assertRaisesRegex(bris.InputError, 'as many positions'):
+            bris.Scene('spheres', step=1e-5).add_sensor(0, [1.0], [])
+
+    def test_an_inertial_sensor_records_nothing_in_free_fall(self):
+        scene = bris.Scene('clumps', step=1e-5)
+        rock = scene.add_material(density=2600, normal_stiffness=1e6, friction=0.5)
+        scene.add_plane((0, 0, 0), (0, 0, 1), rock)
+        ball = scene.add_rock(CLUMP, 0.03, (0, 0, 0.5), material=rock)
+        scene.add_recorder(ball, device='smartrock-like', rate=500)
+        s = bris.Simulation(scene)
+        s.advance(10000)
+        (exact,), (real,) = s.recordings(exact=True), s.recordings()
+        self.assertEqual((exact['body'], exact['force'].shape), (ball, (50, 3)))
+        self.assertLess(np.abs(exact['force']).max(), 1e-9)
+        self.assertGreater(real['force'].std(), 0)
+        with self.assertRaisesRegex(bris.InputError, 'inertial'):
+            column_of_spheres().recordings()
 
     def test_a_step_beyond_the_stable_one_is_refused(self):
         scene = bris.Scene('spheres', step=1e-2)
