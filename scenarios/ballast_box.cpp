@@ -238,6 +238,7 @@ std::vector<std::string_view> may_differ_from(const std::filesystem::path& check
                  "rail_bending_N_m2", "tie_support_N_per_m", "tie_level_m",
                  "series_compliance_m_per_N", "rest", "step_fraction", "imu", "sampling_rate_Hz"});
     if (!box.is_full()) keys.push_back("box_ties");
+    if (box.is_dynamic()) keys.push_back("restitution"); // has no effect before
     return keys;
 }
 

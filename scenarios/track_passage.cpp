@@ -186,7 +186,8 @@ void run(const TrackPassage& t, const Common& common) {
     std::vector<std::string_view> may_differ{"passages"};
     if (common.resume.filename() == "bed.ckpt.h5") { // the finished bed serves any train and state
         may_differ = settings_of_state(common);
-        may_differ.insert(may_differ.end(), {"passages", "train", "speed_m_per_s", "gap_m"});
+        may_differ.insert(may_differ.end(),
+                          {"passages", "train", "speed_m_per_s", "gap_m", "restitution"});
     }
     resume_box(run, simulation, t.box, common, may_differ);
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,

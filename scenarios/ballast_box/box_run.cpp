@@ -22,7 +22,6 @@ namespace bris {
 namespace {
 
 constexpr double first_contact_fraction = 0.7; // of the stable step of a first contact
-constexpr double making_restitution = 0.3;     // upper limit, so that rocks come to rest soon
 
 } // namespace
 
@@ -68,6 +67,8 @@ BoxTestRun::BoxTestRun(Simulation& simulation, const BallastBox& box, std::uint6
     : simulation_(simulation), box_(box), sizes_(box_sizes(box)), seed_(seed), hard_step_(0) {
     World& world = simulation_.world();
     hard_step_ = first_contact_fraction * stable_step_of_first_contact(world);
+    if (box_.restitution > 0)
+        for (Material& m : world.resource<BoxBodies>().hard) m.restitution = box_.restitution;
     if (world.resource<Clock>().dt == 0) {
         world.resource<Clock>().dt = hard_step_ / std::sqrt(box_.fill_softness);
         set_materials(world, making(box_.fill_softness));

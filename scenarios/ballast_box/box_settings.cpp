@@ -74,6 +74,9 @@ void check_box(const BallastBox& box) {
                     test.fouled ? "dry" : "clean");
     check_fouling(given.file.empty() ? fouling_of(box) : given);
     check_fouling_file(box);
+    require(box.restitution == 0 || box.restitution >= making_restitution,
+            fmt::format("--restitution: expected 0 or {:g} to 1, found {:g}", making_restitution,
+                        box.restitution));
     const bool fits =
         box.is_full() ? box.ties() >= 4 && box.ties() % 2 == 0 : box.ties() == 2 || box.ties() == 4;
     require(fits, fmt::format("--box-ties: expected {}, found {}",

@@ -26,7 +26,7 @@ struct BallastBox {
     std::string material = "limestone", grading = "arema_3";
     std::filesystem::path clumps = {};
     std::string sensor_shape = "cube,rock_01,rock_02,rock_03";
-    double friction_factor = 1, stiffness_factor = 1;
+    double friction_factor = 1, stiffness_factor = 1, restitution = 0;
     double subgrade_modulus = 200e6, subgrade_damping = 0.2, series_compliance = 0;
     double rail_bending = 1.58e7, tie_support = 3e7;
     unsigned box_ties = 0;
@@ -73,6 +73,9 @@ void check_box(const BallastBox& box);
 /// Fines and water of the run: as given, or where nothing is given those of the report's runs on
 /// fouled ballast. None on clean ballast, where moisture has no effect: such a run has no fields.
 FoulingOptions fouling_of(const BallastBox& box);
+
+/// Upper limit of restitution while the bed is made, so that rocks come to rest soon.
+inline constexpr double making_restitution = 0.3;
 
 inline constexpr double tie_width = 0.27, tie_length = 2.59, tie_height = 0.23; // m
 inline constexpr double tie_spacing = 0.61;                                     // m
@@ -182,6 +185,10 @@ void BallastBox::describe_ballast(auto& option) {
            "Factor on the friction between rocks, uniform in the box.", above(0, 1));
     option("stiffness_factor", stiffness_factor, "",
            "Factor on the contact stiffness of rocks, uniform in the box.", above(0, 1));
+    option("restitution", restitution, "",
+           "Coefficient of restitution of all contacts of the loaded ballast, 0.3 to 1. 0: that of "
+           "the materials.",
+           within(0, 1));
     option("compaction_pressure", compaction_pressure, "Pa",
            "Mean pressure of the plate that compacts a lift; it oscillates by 60 % at 30 Hz.",
            within(1e3, 1e6));

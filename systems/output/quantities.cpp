@@ -107,11 +107,13 @@ Quantities compute_quantities(const World& world) {
 
 double mean_radius(const World& world) {
     const Table& bodies = world.table<Bodies>();
-    std::vector<char> carries(bodies.size(), 0); // by id
+    const auto rows = rows_by_id(bodies.column<BodyId>());
+    std::vector<char> carries(rows.size(), 0); // by id
     for (const EntityId parent : world.column<Spheres, ParentId>()) carries[parent] = 1;
     double sum = 0, count = 0;
-    for (Row b = 0; b < bodies.size(); ++b) {
-        if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free) ||
+    for (const Row b : rows) { // the same sum in any order of rows
+        if (b == no_row ||
+            bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free) ||
             carries[bodies.column<BodyId>()[b]] == 0)
             continue;
         sum += bodies.column<BoundingRadius>()[b];

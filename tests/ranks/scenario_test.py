@@ -79,7 +79,7 @@ specimen = pathlib.Path(__file__).resolve().parents[1] / "scenarios" / "small"
 others = {
     "triaxial": ["--config", specimen / "specimen.cfg", "--grading", specimen / "grading.csv"],
     "ballast_box": ["--rock-scale", "2", "--width", "0.26", "--cycles", "1", "--steps-per-cycle", "1000"],
-    "ballast_box dynamic": ["--model", "dynamic", "--run", "II.3", "--rock-scale", "2", "--width", "0.26", "--cycles", "1"],
+    "ballast_box dynamic": ["--model", "dynamic", "--run", "II.3", "--rock-scale", "3", "--porosity", "0.45", "--cycles", "1", "--frequency", "10", "--fouling-voxel", "0.04"],
     "silo": ["--spheres", "600", "--diameter", "0.02", "--duration", "0.3", "--window", "0.05,0.2"],
     "drum": ["--small-spheres", "400", "--large-spheres", "100", "--small-radius", "0.004", "--large-radius", "0.008", "--duration", "0.05"],
 }
