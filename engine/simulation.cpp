@@ -27,10 +27,12 @@ void Simulation::advance_unseen(std::uint64_t steps) {
     owed_ += steps;
     try {
         while (owed_ > 1) { // the last one is for `look`
-            if (part_ != nullptr || (owed_ > fewest && !division_.whole_step_is_due(*world_)))
+            if (part_ != nullptr || (owed_ > fewest && !division_.whole_step_is_due(*world_))) {
                 advance_part();
-            else
-                run(*world_, schedule_, 1, false), --owed_;
+            } else {
+                run(*world_, schedule_, 1, false);
+                --owed_;
+            }
         }
         if (part_ == nullptr) run(*world_, schedule_, std::exchange(owed_, 0), true);
     } catch (...) {

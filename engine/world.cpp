@@ -2,11 +2,7 @@
 
 namespace bris {
 
-World::World(const World& other) {
-    for (const auto& [kind, table] : other.tables_)
-        tables_.push_back({kind, std::make_unique<Table>(*table)});
-    for (const auto& held : other.resources_) resources_.push_back(held->clone());
-}
+World::World(const World& other) : World(other, [](const Table&) { return std::nullopt; }) {}
 
 World::World(const World& other,
              const std::function<std::optional<std::vector<Row>>(const Table&)>& rows_of) {

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "systems/fields/field_set.hpp"
+#include "systems/fields/image_file.hpp"
 
 #include <fmt/format.h>
 
@@ -24,32 +25,18 @@ const FieldSet::Field& field_named(const FieldSet& set, const std::string& name)
     throw InputError(fmt::format("field: expected one of {}, found {}", names, name));
 }
 
-/// The voxels that are shown lie from `low` to `high`.
-struct Extent {
-    Voxel low, high;
-};
-
-Extent extent_of(const FieldSet& set) {
-    constexpr int most = std::numeric_limits<int>::max();
-    Extent e{{most, most, most}, {-most, -most, -most}};
-    for (std::uint32_t n = 0; n < set.blocks.voxels(); ++n) {
-        if (set.shown[n] == 0) continue;
-        const Voxel v = set.blocks.voxel(n);
-        e.low = {std::min(e.low.x, v.x), std::min(e.low.y, v.y), std::min(e.low.z, v.z)};
-        e.high = {std::max(e.high.x, v.x), std::max(e.high.y, v.y), std::max(e.high.z, v.z)};
-    }
-    require(e.low.x <= e.high.x, "field: expected rocks in the scene, found none");
-    return e;
-}
-
 } // namespace
 
 py::dict field_of(const World& world, const std::string& name, double voxel) {
     require(voxel > 0, fmt::format("field: expected voxels above 0 m, found {:g}", voxel));
     const FieldSet set = fields_of(world, {.voxel = voxel});
     const FieldSet::Field& field = field_named(set, name);
-    const auto [low, high] = extent_of(set);
-    std::vector<py::ssize_t> shape{high.x - low.x + 1, high.y - low.y + 1, high.z - low.z + 1};
+    const VoxelRange range = shown_range(set.blocks, set.shown);
+    require(!range.empty(), "field: expected rocks in the scene, found none");
+    const Voxel& low = range.low;
+    std::vector<py::ssize_t> shape;
+    for (int axis = 0; axis < 3; ++axis)
+        shape.push_back(static_cast<py::ssize_t>(range.size(axis)));
     const std::size_t components = field.components.size();
     if (components > 1) shape.push_back(static_cast<py::ssize_t>(components));
     py::array_t<double> values(shape);

@@ -57,7 +57,7 @@ struct Fouling {
     std::uint64_t revision = 0; ///< Derived: counts changes of what bodies see
     std::uint64_t updates = 0;  ///< Derived: for reports
 
-    /// Whether it is looked in this step if the fields must be brought up to date.
+    /// Whether a step looks if the fields must be brought up to date.
     bool is_checked(std::uint64_t step) const { return stale || step % settings.check_every == 0; }
     void save(Archive& archive) const;
     void load(const Archive& archive);

@@ -156,6 +156,13 @@ std::vector<Row> bodies_of(const World& world, bool with_spheres) {
     return rows;
 }
 
+/// The rows of the bodies without spheres, and then those of `bodies`.
+std::vector<Row> with_boundaries(const World& world, std::span<const Row> bodies) {
+    std::vector<Row> rows = boundaries_of(world);
+    rows.insert(rows.end(), bodies.begin(), bodies.end());
+    return rows;
+}
+
 template <class Visit>
 void for_pair_tables(const World& world, Visit&& visit) {
     for_each_kind_of_pair([&]<class Pairs>() {
@@ -197,8 +204,7 @@ std::vector<Row> boundaries_of(const World& world) { return bodies_of(world, fal
 std::vector<Row> grains_of(const World& world) { return bodies_of(world, true); }
 
 void keep_bodies(World& world, std::span<const Row> bodies) {
-    std::vector<Row> kept = boundaries_of(world);
-    kept.insert(kept.end(), bodies.begin(), bodies.end());
+    std::vector<Row> kept = with_boundaries(world, bodies);
     for_pair_tables(world, [&]<class Pairs>() {
         keep_rows(world.table<Pairs>(), pairs_of<Pairs>(world, bodies));
     });
@@ -208,11 +214,7 @@ void keep_bodies(World& world, std::span<const Row> bodies) {
 
 World copy_of_bodies(const World& whole, std::span<const Row> bodies) {
     const auto rows_of = [&](const Table& table) -> std::optional<std::vector<Row>> {
-        if (table.name() == Bodies::name) {
-            std::vector<Row> rows = boundaries_of(whole);
-            rows.insert(rows.end(), bodies.begin(), bodies.end());
-            return rows;
-        }
+        if (table.name() == Bodies::name) return with_boundaries(whole, bodies);
         if (table.name() == Spheres::name) return spheres_of(whole, bodies);
         std::optional<std::vector<Row>> rows;
         for_pair_tables(whole, [&]<class Pairs>() {
