@@ -23,6 +23,14 @@ public:
 
     Rows(std::array<std::byte*, sizeof...(Cs)> columns, std::size_t size, RowRange range)
         : columns_(columns), size_(size), range_(range) {}
+    /// The same rows, of a view with more columns or with columns that may be written.
+    template <class... Ds>
+    requires(!std::is_same_v<Rows<K, Ds...>, Rows>) Rows(const Rows<K, Ds...>& wider)
+        : columns_{bytes_of<Cs>(wider.template column<std::remove_const_t<Cs>>())...},
+          size_(wider.size()), range_{wider.first(), wider.last()} {}
+
+    /// The same columns, to work on other rows.
+    Rows over(RowRange range) const { return {columns_, size_, range}; }
 
     Row first() const { return range_.first; }
     Row last() const { return range_.last; }
@@ -39,6 +47,11 @@ public:
     }
 
 private:
+    template <class C, class Value>
+    static std::byte* bytes_of(Value* column) {
+        static_assert(std::is_const_v<C> || !std::is_const_v<Value>);
+        return reinterpret_cast<std::byte*>(const_cast<std::remove_const_t<Value>*>(column));
+    }
     template <class C>
     static constexpr std::size_t index() {
         constexpr std::array<bool, sizeof...(Cs)> same{

@@ -102,7 +102,7 @@ void Schedule::prepare(World& world) {
 
 std::vector<bool> Schedule::live_systems(std::uint64_t due) const {
     const auto runs = [&](std::size_t i) {
-        if (!missing_[i].empty()) return false;
+        if (!missing_[i].empty() || !steps_[i].combines.empty()) return false;
         for (std::size_t k = 0; k < conditional_.size(); ++k)
             if (conditional_[k] == i) return ((due >> k) & 1) != 0;
         return true;
@@ -129,6 +129,19 @@ std::vector<bool> Schedule::live_systems(std::uint64_t due) const {
     return live;
 }
 
+void Schedule::combine(Plan& plan) const {
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+        if (steps_[i].combines.empty() || !missing_[i].empty() || !settings_.combined) continue;
+        for (auto& node : plan.nodes)
+            if (std::ranges::equal(node.systems, steps_[i].combines, {},
+                                   [&](std::size_t j) { return steps_[j].name; })) {
+                node.systems = {i};
+                node.name = steps_[i].name;
+                plan.live[i] = true;
+            }
+    }
+}
+
 Schedule::Plan& Schedule::plan_for(std::uint64_t due) {
     auto& slot = plans_[due];
     if (slot) return *slot;
@@ -151,6 +164,7 @@ Schedule::Plan& Schedule::plan_for(std::uint64_t due) {
         }
         if (!joined) plan.nodes.push_back({{i}, {}, 0, s.name});
     }
+    combine(plan);
     // edges to all earlier conflicting nodes, except those implied by other edges
     std::vector<std::vector<bool>> reach(plan.nodes.size());
     for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
@@ -270,6 +284,9 @@ std::string Schedule::explain() const {
             after += (after.empty() ? "" : "; ") + plan.nodes[m].name;
         for (const std::size_t i : node.systems) {
             const System& s = steps_[i];
+            for (std::size_t k = 0; k < s.combines.size(); ++k)
+                text += (k == 0 ? "  in place of " : " + ") + s.combines[k];
+            if (!s.combines.empty()) text += "\n";
             text +=
                 fmt::format("  {}{}\n    reads  {}\n    writes {}\n", s.name,
                             s.due != nullptr ? " (when due)" : "", names(s, false), names(s, true));
@@ -282,6 +299,9 @@ std::string Schedule::explain() const {
     for (std::size_t i = 0; i < steps_.size(); ++i)
         if (!missing_[i].empty())
             text += fmt::format("  {}: absent ({})\n", steps_[i].name, missing_[i]);
+        else if (!steps_[i].combines.empty() && !plan.live[i])
+            text += fmt::format("  {}: the pass has not exactly the systems that it combines\n",
+                                steps_[i].name);
         else if (!plan.live[i])
             text +=
                 fmt::format("  {}: unwanted (no system reads what it derives)\n", steps_[i].name);

@@ -108,6 +108,9 @@ struct System {
     bool (*due)(const World&) = nullptr; ///< null: due in every step
     /// If the tables exist, the columns must exist too.
     bool required = false;
+    /// Names of systems: where exactly these run in one pass, this one runs instead, with the same
+    /// result. Elsewhere it is left out. Empty: it runs for itself.
+    std::vector<std::string> combines;
     /// Whether all tables and resources exist.
     bool (*lacks_only_columns)(const World&) = nullptr;
 };
@@ -178,6 +181,12 @@ inline System when(bool (*due)(const World&), System system) {
 /// tables and resources but without its columns is inconsistent, and Schedule::prepare throws.
 inline System required(System system) {
     system.required = true;
+    return system;
+}
+
+/// The same row-local system, which replaces `systems` where nothing else runs in their pass.
+inline System combined(std::vector<std::string> systems, System system) {
+    system.combines = std::move(systems);
     return system;
 }
 

@@ -1,7 +1,5 @@
 #include "systems/guard.hpp"
 
-#include "engine/lane_math.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,10 +12,6 @@ namespace {
 
 std::string point(const Vec3& x) { return fmt::format("({:g}, {:g}, {:g})", x.x(), x.y(), x.z()); }
 
-LaneMask at_least(const Vec3Lanes& a, const Vec3& low) {
-    return (a.x >= low.x()) & (a.y >= low.y()) & (a.z >= low.z());
-}
-
 /// The first of the bodies that violates a limit, or no_row.
 Row find_offender(const WatchedBodies& bodies, Row first, Row last, const Limits& limits,
                   const Clock& clock, const Census& census) {
@@ -27,21 +21,14 @@ Row find_offender(const WatchedBodies& bodies, Row first, Row last, const Limits
     const Vec3* position = bodies.column<Position>();
     const Vec3* omega = bodies.column<AngularVelocity>();
     const auto* motion = bodies.column<MotionOf>();
-    const double infinite = std::numeric_limits<double>::infinity(),
-                 fastest = limits.speed * limits.speed;
+    const MotionLimits within(limits, clock, census);
     Row offender = no_row;
     for_lane_rows(first, last, [&](LaneRows rows) {
-        const Vec3Lanes x = load(position, rows), v = load(velocity, rows), w = load(omega, rows);
         const LaneMask free = equal(motion, rows, static_cast<std::uint32_t>(Motion::free));
-        const LaneMask inside = at_least(x, limits.low) & at_least(Vec3Lanes{} - x, -limits.high);
-        const Lane squared = dot(v, v),
-                   most = limits.overlap *
-                          (free ? load(radius, rows) : lanes(census.smallest_free_radius));
-        const LaneMask finite = (load(displacement, rows) < infinite) & (dot(w, w) < infinite),
-                       slow = squared <= fastest,
-                       near = (clock.dt * clock.dt) * squared <= most * most;
-        const unsigned wrong =
-            ~bits(finite & slow & near & (~free | inside)) & ((1u << rows.count) - 1);
+        const LaneMask allowed =
+            within.allow(load(position, rows), load(velocity, rows), load(omega, rows),
+                         load(displacement, rows), load(radius, rows), free);
+        const unsigned wrong = ~bits(allowed) & ((1u << rows.count) - 1);
         if (wrong != 0 && offender == no_row)
             offender = rows.first + static_cast<Row>(__builtin_ctz(wrong));
     });

@@ -7,12 +7,41 @@
 #include "components/pair.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
+#include "engine/lane_math.hpp"
 #include "engine/rows.hpp"
 
+#include <limits>
 #include <string>
 #include <type_traits>
 
 namespace bris {
+
+/// The limits of the motion of a body in a step.
+class MotionLimits {
+public:
+    MotionLimits(const Limits& limits, const Clock& clock, const Census& census)
+        : limits_(limits), smallest_free_radius_(census.smallest_free_radius), dt_(clock.dt) {}
+    /// Mask of the bodies within their limits, from position (m), velocity (m/s), angular velocity
+    /// (rad/s), bound on the displacement (m) and bounding radius (m).
+    LaneMask allow(const Vec3Lanes& x, const Vec3Lanes& v, const Vec3Lanes& w,
+                   const Lane& displacement, const Lane& radius, const LaneMask& free) const {
+        constexpr double infinite = std::numeric_limits<double>::infinity();
+        const LaneMask inside = at_least(x, limits_.low) & at_least(Vec3Lanes{} - x, -limits_.high);
+        const Lane squared = dot(v, v),
+                   most = limits_.overlap * (free ? radius : lanes(smallest_free_radius_));
+        const LaneMask finite = (displacement < infinite) & (dot(w, w) < infinite),
+                       slow = squared <= limits_.speed * limits_.speed,
+                       near = (dt_ * dt_) * squared <= most * most;
+        return finite & slow & near & (~free | inside);
+    }
+
+private:
+    static LaneMask at_least(const Vec3Lanes& a, const Vec3& low) {
+        return (a.x >= low.x()) & (a.y >= low.y()) & (a.z >= low.z());
+    }
+    const Limits& limits_;
+    double smallest_free_radius_, dt_;
+};
 
 using WatchedBodies =
     Rows<Bodies, const BodyId, const MotionOf, const DisplacementBound, const Position,

@@ -17,6 +17,7 @@
 #include "systems/servo/platen.hpp"
 #include "systems/slabs/slabs.hpp"
 #include "systems/sleep/sleep.hpp"
+#include "systems/steps/move_spheres.hpp"
 
 namespace bris {
 
@@ -115,6 +116,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("bound_displacement", bound_displacement),
         row_local("bound_displacement_and_rotation", bound_displacement_and_rotation),
         row_local("watch_motion", watch_motion),
+        combined(parts_of_move_spheres, row_local("move_spheres", move_spheres)),
         // inertial recorders
         when(is_recording, system("share_motion", share_motion)),
         when(is_recording, system("record_motion", record_motion)),

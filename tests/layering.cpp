@@ -65,7 +65,8 @@ std::string room(const std::string& path) {
     return remaining.substr(0, remaining.find_first_of("/."));
 }
 
-/// The folders of systems/ do not include each other; only the list of steps includes them all.
+/// The folders of systems/ do not include each other; only the list of steps, and systems in steps/
+/// that combine others, include them all.
 bool may_include_system(const std::string& file, const std::string& target) {
     return within(file, "scenarios") ||
            (within(file, "systems") && (room(file) == room(target) || room(file) == "steps"));

@@ -1,13 +1,11 @@
 #include "systems/contact/sum_contacts.hpp"
 
 #include "components/elasticity.hpp"
-#include "engine/quad_math.hpp"
+#include "systems/contact/body_sums.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <limits>
 
 namespace bris {
 
@@ -25,54 +23,6 @@ bool may_touch(const Census& bodies, std::uint32_t a, std::uint32_t b) {
     if (a == b) return bodies.grains[a] > 0 && bodies.grains[a] + bodies.hosts[a] > 1;
     return (bodies.grains[a] > 0 && bodies.grains[b] + bodies.hosts[b] > 0) ||
            (bodies.grains[b] > 0 && bodies.hosts[a] > 0);
-}
-
-/// Sums beyond 2^63, of forces that will stop the run, wrap.
-void add(SumRow& sum, const SumRow& more) {
-    const auto wrapped = [](std::int64_t a, std::int64_t b) {
-        return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) +
-                                         static_cast<std::uint64_t>(b));
-    };
-    sum.fx = wrapped(sum.fx, more.fx);
-    sum.fy = wrapped(sum.fy, more.fy);
-    sum.fz = wrapped(sum.fz, more.fz);
-    sum.tx = wrapped(sum.tx, more.tx);
-    sum.ty = wrapped(sum.ty, more.ty);
-    sum.tz = wrapped(sum.tz, more.tz);
-}
-
-using SumRows = Rows<ForceSums, const NextSum, ContactSum>;
-
-/// Calls take(row) for the rows of a body's list, and clears them.
-template <class Take>
-void take_list(Row first, const SumRows& sums, Take&& take) {
-    SumRow* row = sums.column<ContactSum>();
-    const Row* next = sums.column<NextSum>();
-    for (Row k = first; k != no_row; k = next[k]) {
-        take(row[k]);
-        row[k] = {};
-    }
-}
-
-/// Force and torque on a boundary.
-void place(const std::array<WideInteger, 6>& sum, const ForceGrid& grid, Vec3& force,
-           Vec3& torque) {
-    for (int i = 0; i < 3; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        force[i] = grid.force * static_cast<double>(sum[k]);
-        torque[i] = grid.host_torque * static_cast<double>(sum[k + 3]);
-    }
-}
-
-/// Three sums in N or N m; NaN where a sum is beyond the grid.
-Quad scaled_or_nan(double unit, const std::int64_t* sums) {
-    using Integers [[gnu::vector_size(sizeof(Quad))]] = std::int64_t;
-    Integers integers;
-    std::memcpy(&integers, sums, sizeof integers);
-    const Quad sum = __builtin_convertvector(integers, Quad);
-    const bool fits =
-        std::abs(sum[0]) + std::abs(sum[1]) + std::abs(sum[2]) <= ForceGrid::largest_sum;
-    return (fits ? unit : std::numeric_limits<double>::quiet_NaN()) * sum;
 }
 
 } // namespace
@@ -103,7 +53,7 @@ void sum_boundaries(Rows<Bodies, const SumsFromOthers> bodies,
     const Row* list = bodies.column<SumsFromOthers>();
     boundaries.of.assign(census.boundaries.size(), {});
     for (std::size_t k = 0; k < boundaries.of.size(); ++k)
-        take_list(list[census.boundaries[k]], sums, [&](const SumRow& r) {
+        detail::take_list(list[census.boundaries[k]], sums, [&](const SumRow& r) {
             const std::array<std::int64_t, 6> more{r.fx, r.fy, r.fz, r.tx, r.ty, r.tz};
             for (std::size_t i = 0; i < more.size(); ++i) boundaries.of[k][i] += more[i];
         });
@@ -112,22 +62,12 @@ void sum_boundaries(Rows<Bodies, const SumsFromOthers> bodies,
 void sum_contacts(Rows<Bodies, const SumsFromOthers, const SpheresOf, Force, Torque> bodies,
                   Rows<ForceSums, const NextSum, ContactSum> sums, const ForceGrid& grid,
                   const Census& census, const BoundarySums& boundaries) {
-    const Row* list = bodies.column<SumsFromOthers>();
-    const SphereRun* spheres = bodies.column<SpheresOf>();
-    SumRow* sum = sums.column<ContactSum>();
+    const detail::BodySums body_sums(bodies, sums, grid, census, boundaries);
     Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        if (spheres[b].count == 0) {
-            sum[b] = {};
-            const auto at_row = std::ranges::lower_bound(census.boundaries, b);
-            place(boundaries.of[static_cast<std::size_t>(at_row - census.boundaries.begin())], grid,
-                  force[b], torque[b]);
-            continue;
-        }
-        if (list[b] != no_row) take_list(list[b], sums, [&](const SumRow& r) { add(sum[b], r); });
-        store(force[b], scaled_or_nan(grid.force, &sum[b].fx));
-        store(torque[b], scaled_or_nan(grid.torque, &sum[b].tx));
-        sum[b] = {};
+        const detail::NetForce net = body_sums.take(b);
+        store(force[b], net.force);
+        store(torque[b], net.torque);
     }
 }
 

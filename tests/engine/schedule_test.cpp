@@ -242,6 +242,40 @@ TEST_SUITE("engine/schedule") {
         CHECK(std::ranges::equal(world.column<Others, D>(), in_order.column<Others, D>()));
     }
 
+    TEST_CASE("a system that combines others runs in their place where nothing else runs in their "
+              "pass, and nowhere else") {
+        const StepList parts{row_local("left", b_from_a), row_local("right", c_from_a),
+                             row_local("join", a_from_b_and_c)};
+        const auto all_at_once = +[](Rows<Cells, A, B, C> cells) {
+            b_from_a(cells);
+            c_from_a(cells);
+            a_from_b_and_c(cells);
+            cells.column<C>()[cells.first()] = 17; // shows that this system has run
+        };
+        const auto with_combined = [&](std::vector<std::string> names) {
+            StepList list = parts;
+            list.push_back(combined(std::move(names), row_local("all at once", all_at_once)));
+            return list;
+        };
+        const auto c_after_step = [&](const StepList& list, ScheduleSettings settings) {
+            World world = world_of(10);
+            Schedule schedule(list, settings);
+            schedule.prepare(world);
+            Threads team(1);
+            team.run([&] { schedule.run(world); });
+            return world.column<Cells, C>()[0];
+        };
+        const StepList whole = with_combined({"left", "right", "join"}),
+                       fewer = with_combined({"left", "right"});
+        CHECK(c_after_step(whole, {}) == 17);
+        CHECK(c_after_step(whole, {.combined = false}) != 17);
+        CHECK(c_after_step(whole, {.fused = false}) != 17);
+        CHECK(c_after_step(fewer, {}) != 17);
+        World world = world_of(10);
+        CHECK(has(explained(whole, world), "in place of left + right + join"));
+        CHECK(has(explained(fewer, world), "all at once: the pass has not exactly the systems"));
+    }
+
     TEST_CASE("row-local systems do not share a pass if one writes another table that the next one "
               "reads") {
         World world = world_of(10);

@@ -152,6 +152,8 @@ TEST_SUITE("invariance/fingerprint") {
             {"serial, 2 threads", with([](BenchSettings& s) { s.threads = 2; })},
             {"each system in a separate pass",
              with([](BenchSettings& s) { s.schedule.fused = false; })},
+            {"no system in place of several others",
+             with([](BenchSettings& s) { s.schedule.combined = false; })},
             {"without any optimisation", with([](BenchSettings& s) {
                  s.schedule.fused = false;
                  s.lists = {.outer_skin = 0.0010001,

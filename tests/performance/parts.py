@@ -6,6 +6,7 @@ goes on where it was when it is started again. --merge collects the tables of al
     tests/performance/smart_campaign --merge
 
 The same with GNU parallel: parallel tests/performance/smart_campaign --part {}/4 ::: 1 2 3 4; in a Slurm array: --part $SLURM_ARRAY_TASK_ID/4.
+Under mpirun or srun each process does the part of its rank: mpirun -n 4 tests/performance/smart_campaign.
 """
 import argparse
 import csv
@@ -20,8 +21,21 @@ def part(text):
     return int(found[1]), int(found[2])
 
 
+def of_launcher():
+    """(K, N) of a process that mpirun or srun has started with others, else None. What tells MPI of this is taken from the environment,
+    since the programs that the campaign starts are no ranks of one world."""
+    found = None
+    for size, rank in (('OMPI_COMM_WORLD_SIZE', 'OMPI_COMM_WORLD_RANK'), ('PMI_SIZE', 'PMI_RANK'), ('SLURM_STEP_NUM_TASKS', 'SLURM_PROCID')):
+        if found is None and int(os.environ.get(size, 1)) > 1:
+            found = int(os.environ[rank]) + 1, int(os.environ[size])
+    for name in [n for n in os.environ if n.startswith(('OMPI_', 'PMI_', 'PMIX_'))]:
+        del os.environ[name]
+    return found
+
+
 def add_options(parser):
-    parser.add_argument('--part', type=part, help='K/N: do every N-th run from the K-th on, with a table of its own.')
+    parser.add_argument('--part', type=part, default=of_launcher(),
+                        help='K/N: do every N-th run from the K-th on, with a table of its own. Default: all runs; under mpirun the part of the rank.')
     parser.add_argument('--merge', action='store_true', help='Run nothing: merge the tables of all parts into the table of the campaign.')
 
 

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Campaigns in parts: two parts at once, one of them killed and started again, merged, give the table of the campaign without parts, in
-every campaign that has --part. The programs are stand-ins that take a moment and write numbers that depend on their options only."""
+every campaign that has --part, and so do two processes of mpirun. The programs are stand-ins that take a moment and write numbers that depend on their options only."""
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -13,7 +14,9 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 STAND_IN = '''#!/usr/bin/python3
 import hashlib, json, sys, time
+import os
 from pathlib import Path
+assert 'OMPI_COMM_WORLD_SIZE' not in os.environ  # this is no rank
 words = sys.argv[1:]
 out = Path(words[words.index('--out') + 1])
 options = [w for k, w in enumerate(words) if '--out' not in (w, words[k - 1]) and '--resume' not in (w, words[k - 1])]
@@ -91,6 +94,11 @@ def check(campaign, words, programs, folder):
     assert not list((folder / 'parts').glob('*.part_*')) and not list((folder / 'parts').glob('*.tmp'))
     assert shown.split('\n', 1)[1].count('\n') > 2, f'{campaign}: no report after --merge'
     assert subprocess.run(command('parts', '--part', '3/2'), capture_output=True).returncode == 2
+    ranks = [subprocess.Popen(command('ranks'), stdout=subprocess.DEVNULL, env={**os.environ, 'OMPI_COMM_WORLD_SIZE': '2', 'OMPI_COMM_WORLD_RANK': str(k)})
+             for k in (0, 1)]  # as mpirun starts them
+    assert [rank.wait() for rank in ranks] == [0, 0]
+    run('ranks', '--merge')
+    assert tables['whole'][0].read_text() == tables['ranks'][0].read_text(), f'{campaign}: other rows under mpirun'
     print(f'{campaign}: the same table, {runs("whole")} runs')
 
 

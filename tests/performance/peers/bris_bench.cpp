@@ -33,8 +33,8 @@ using namespace bris;
 struct Bench {
     std::string scene = "settle", law = "linear";
     std::filesystem::path bed, positions;
-    bool make = false, profile = false, sleep = false, one_pass = true, huge_pages = true,
-         serial = false;
+    bool make = false, profile = false, sleep = false, one_pass = true, combined = true,
+         huge_pages = true, serial = false;
     double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
     std::uint64_t least_rows = ScheduleSettings{}.least_rows,
@@ -74,6 +74,8 @@ struct Bench {
                "Largest ratio of radii in one grid of the neighbour search.", above(1));
         option("one_pass", one_pass, "",
                "Run systems that work row by row in one pass over the rows.");
+        option("combined", combined, "",
+               "Let one system take the place of several that run in one pass.");
         option("serial", serial, "",
                "Run the systems one after another instead of as a task graph.");
         option("least_rows", least_rows, "",
@@ -154,6 +156,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     Simulation simulation(std::move(scene_world), steps(law), threads,
                           {.serial = s.serial,
                            .fused = s.one_pass,
+                           .combined = s.combined,
                            .timed = s.profile,
                            .least_rows = s.least_rows,
                            .most_graph_rows = s.most_graph_rows});

@@ -1,0 +1,137 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/census.hpp"
+#include "components/force_sums.hpp"
+#include "components/kinds.hpp"
+#include "engine/lane_math.hpp"
+#include "engine/quad_math.hpp"
+#include "engine/rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace bris::detail {
+
+using SumRows = Rows<ForceSums, const NextSum, ContactSum>;
+
+/// Calls take(row) for the rows of a body's list, and clears them.
+template <class Take>
+void take_list(Row first, const SumRows& sums, Take&& take) {
+    SumRow* row = sums.column<ContactSum>();
+    const Row* next = sums.column<NextSum>();
+    for (Row k = first; k != no_row; k = next[k]) {
+        take(row[k]);
+        row[k] = {};
+    }
+}
+
+/// Sums beyond 2^63, of forces that will stop the run, wrap.
+inline void add(SumRow& sum, const SumRow& more) {
+    const auto wrapped = [](std::int64_t a, std::int64_t b) {
+        return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) +
+                                         static_cast<std::uint64_t>(b));
+    };
+    sum.fx = wrapped(sum.fx, more.fx);
+    sum.fy = wrapped(sum.fy, more.fy);
+    sum.fz = wrapped(sum.fz, more.fz);
+    sum.tx = wrapped(sum.tx, more.tx);
+    sum.ty = wrapped(sum.ty, more.ty);
+    sum.tz = wrapped(sum.tz, more.tz);
+}
+
+/// Three sums in N or N m; NaN where a sum is beyond the grid.
+inline Quad scaled_or_nan(double unit, const std::int64_t* sums) {
+    using Integers [[gnu::vector_size(sizeof(Quad))]] = std::int64_t;
+    Integers integers;
+    std::memcpy(&integers, sums, sizeof integers);
+    const Quad sum = __builtin_convertvector(integers, Quad);
+    const bool fits =
+        std::abs(sum[0]) + std::abs(sum[1]) + std::abs(sum[2]) <= ForceGrid::largest_sum;
+    return (fits ? unit : std::numeric_limits<double>::quiet_NaN()) * sum;
+}
+
+/// Force (N) and torque about the centre of mass (N m).
+struct NetForce {
+    Quad force, torque;
+};
+struct NetForceLanes {
+    Vec3Lanes force, torque;
+};
+/// As scaled_or_nan, from columns of integers.
+inline Vec3Lanes scaled_or_nan(double unit, const FourLanes& sums) {
+    const auto number = [&](std::size_t k) {
+        return __builtin_convertvector(reinterpret_cast<LaneMask>(sums[k]), Lane);
+    };
+    const Vec3Lanes sum{number(0), number(1), number(2)};
+    const LaneMask fits =
+        magnitude(sum.x) + magnitude(sum.y) + magnitude(sum.z) <= ForceGrid::largest_sum;
+    const Lane factor = fits ? lanes(unit) : lanes(std::numeric_limits<double>::quiet_NaN());
+    return factor * sum;
+}
+
+/// Converts the sums of contact forces of one body after another from integers.
+class BodySums {
+public:
+    BodySums(const Rows<Bodies, const SumsFromOthers, const SpheresOf>& bodies, const SumRows& sums,
+             const ForceGrid& grid, const Census& census, const BoundarySums& boundaries)
+        : list_(bodies.column<SumsFromOthers>()), spheres_(bodies.column<SpheresOf>()),
+          sum_(sums.column<ContactSum>()), sums_(sums), grid_(grid), census_(census),
+          boundaries_(boundaries) {}
+
+    /// Converts the sums of body `b`, and clears them for the next step.
+    NetForce take(Row b) const {
+        const NetForce net = spheres_[b].count == 0 ? of_boundary(b) : of_grain(b);
+        sum_[b] = {};
+        return net;
+    }
+
+    /// The same of lane_count bodies with spheres, from row `first` on.
+    NetForceLanes take_grains(Row first) const {
+        for (Row b = first; b < first + lane_count; ++b) add_list(b);
+        const auto rows_of = [&](const std::int64_t SumRow::*member) {
+            return transpose(load_rows([&](int q) {
+                return reinterpret_cast<const double*>(
+                    &(sum_[first + static_cast<Row>(q)].*member));
+            }));
+        };
+        const NetForceLanes net{scaled_or_nan(grid_.force, rows_of(&SumRow::fx)),
+                                scaled_or_nan(grid_.torque, rows_of(&SumRow::tx))};
+        std::fill_n(sum_ + first, lane_count, SumRow{});
+        return net;
+    }
+
+private:
+    void add_list(Row b) const {
+        if (list_[b] != no_row)
+            take_list(list_[b], sums_, [&](const SumRow& r) { add(sum_[b], r); });
+    }
+    NetForce of_grain(Row b) const {
+        add_list(b);
+        return {scaled_or_nan(grid_.force, &sum_[b].fx), scaled_or_nan(grid_.torque, &sum_[b].tx)};
+    }
+    NetForce of_boundary(Row b) const {
+        const auto at_row = std::ranges::lower_bound(census_.boundaries, b);
+        const auto& sum =
+            boundaries_.of[static_cast<std::size_t>(at_row - census_.boundaries.begin())];
+        const auto scaled = [&](double unit, std::size_t first) {
+            const auto part = [&](std::size_t k) {
+                return unit * static_cast<double>(sum[first + k]);
+            };
+            return Quad{part(0), part(1), part(2), 0};
+        };
+        return {scaled(grid_.force, 0), scaled(grid_.host_torque, 3)};
+    }
+
+    const Row* list_;
+    const SphereRun* spheres_;
+    SumRow* sum_;
+    SumRows sums_;
+    const ForceGrid& grid_;
+    const Census& census_;
+    const BoundarySums& boundaries_;
+};
+
+} // namespace bris::detail

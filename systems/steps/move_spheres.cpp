@@ -1,0 +1,149 @@
+#include "systems/steps/move_spheres.hpp"
+
+#include "engine/lane_math.hpp"
+#include "systems/contact/body_sums.hpp"
+#include "systems/contact/sum_contacts.hpp"
+#include "systems/guard.hpp"
+
+namespace bris {
+
+namespace {
+
+using Sums = Rows<ForceSums, const NextSum, ContactSum>;
+using Places = Rows<Listed, ListedPosition>;
+
+/// Resources that the combined systems read.
+struct Settings {
+    const ForceGrid& grid;
+    const Census& census;
+    const BoundarySums& boundaries;
+    const Gravity& gravity;
+    const Limits& limits;
+    const Clock& clock;
+};
+
+/// The combined systems themselves, for groups of rows with a body that is driven or a boundary.
+void move_bodies(const MovedSpheres& bodies, const Sums& sums, const Places& listed,
+                 const Settings& s, ListState& lists, Alarm& alarm) {
+    sum_contacts(bodies, sums, s.grid, s.census, s.boundaries);
+    apply_gravity(bodies, s.gravity);
+    integrate(bodies, s.clock);
+    rotate_spheres(bodies, s.clock);
+    update_sphere_positions(bodies, listed);
+    update_kicks(bodies, s.clock);
+    bound_displacement(bodies, lists);
+    watch_motion(bodies, s.limits, s.clock, s.census, alarm);
+}
+
+/// Moves lane_count free spheres at a time.
+class FreeSpheres {
+public:
+    FreeSpheres(const MovedSpheres& bodies, const Sums& sums, const Places& listed,
+                const Settings& s, bool observed)
+        : bodies_(bodies), sums_(bodies, sums, s.grid, s.census, s.boundaries),
+          sphere_(listed.column<ListedPosition>()),
+          within_(s.limits, s.clock, s.census), gravity_{lanes(s.gravity.value.x()),
+                                                         lanes(s.gravity.value.y()),
+                                                         lanes(s.gravity.value.z())},
+          dt_(s.clock.dt), observed_(observed) {}
+
+private:
+    template <class C>
+    auto of(LaneRows rows) const {
+        return load(bodies_.column<C>(), rows);
+    }
+    template <class C>
+    void put(LaneRows rows, const Vec3Lanes& v) const {
+        store(bodies_.column<C>(), rows, v);
+    }
+
+public:
+    /// Sets used_up() and escaped() if one of the spheres calls for it.
+    [[gnu::always_inline]] void move(LaneRows rows) {
+        detail::NetForceLanes net = sums_.take_grains(rows.first);
+        net.force = net.force + of<Mass>(rows) * gravity_;
+        if (observed_) { // nothing else reads the forces on spheres
+            put<Force>(rows, net.force);
+            put<Torque>(rows, net.torque);
+        }
+        const Lane mass = of<InertialMass>(rows), inverse_inertia = 1.0 / of<SphereInertia>(rows);
+        const Vec3Lanes a{net.force.x / mass, net.force.y / mass, net.force.z / mass},
+            v = of<Velocity>(rows) + dt_ * a, x = of<Position>(rows) + dt_ * v,
+            momentum = of<AngularMomentum>(rows) + dt_ * net.torque,
+            omega = inverse_inertia * (momentum + 0.5 * dt_ * net.torque),
+            step_omega = inverse_inertia * momentum;
+        put<Acceleration>(rows, a);
+        put<Velocity>(rows, v);
+        put<Position>(rows, x);
+        put<AngularMomentum>(rows, momentum);
+        put<AngularVelocity>(rows, omega);
+        put<StepAngularVelocity>(rows, step_omega);
+        show_contacts(rows, x, v, step_omega, 1.0 / mass);
+        predict(rows, (0.5 * dt_) * a, omega - step_omega);
+        const Vec3Lanes gone = x - of<PrunedAt>(rows);
+        const Lane distance = sqrt(dot(gone, gone));
+        store(bodies_.column<DisplacementBound>(), rows, distance);
+        near_ &= distance <= of<InnerSkin>(rows);
+        allowed_ &= within_.allow(x, v, omega, distance, of<BoundingRadius>(rows), ~LaneMask{});
+    }
+    bool used_up() const { return bits(near_) != all_lanes; }
+    bool escaped() const { return bits(allowed_) != all_lanes; }
+
+private:
+    /// What contacts read of the spheres.
+    void show_contacts(LaneRows rows, const Vec3Lanes& x, const Vec3Lanes& v, const Vec3Lanes& w,
+                       const Lane& inverse_mass) const {
+        MotionRow* motion = bodies_.column<RigidMotion>() + rows.first;
+        SphereRow* sphere = sphere_ + rows.first;
+        const Lane radius = transpose(load_rows([&](int q) { return &sphere[q].x; }))[3];
+        store_rows(transpose({x.x, x.y, x.z, radius}), lane_count,
+                   [&](int q) { return &sphere[q].x; });
+        store_rows(transpose({v.x, v.y, v.z, inverse_mass}), lane_count,
+                   [&](int q) { return &motion[q].vx; });
+        store_rows(transpose({w.x, w.y, w.z, Lane{}}), lane_count,
+                   [&](int q) { return &motion[q].omega_x; });
+    }
+    /// What only dashpots read.
+    void predict(LaneRows rows, const Vec3Lanes& v, const Vec3Lanes& w) const {
+        KickRow* kick = bodies_.column<Kick>() + rows.first;
+        store_rows(transpose({v.x, v.y, v.z, Lane{}}), lane_count,
+                   [&](int q) { return &kick[q].vx; });
+        store_rows(transpose({w.x, w.y, w.z, Lane{}}), lane_count,
+                   [&](int q) { return &kick[q].omega_x; });
+    }
+
+    MovedSpheres bodies_;
+    detail::BodySums sums_;
+    SphereRow* sphere_;
+    MotionLimits within_;
+    Vec3Lanes gravity_;
+    double dt_;
+    bool observed_;
+    LaneMask near_ = ~LaneMask{}, allowed_ = ~LaneMask{};
+};
+
+} // namespace
+
+void move_spheres(MovedSpheres bodies, Sums sums, Places listed, const ForceGrid& grid,
+                  const Census& census, const BoundarySums& boundaries, const Gravity& gravity,
+                  const Limits& limits, const Clock& clock, const Observation& observation,
+                  ListState& lists, Alarm& alarm) {
+    const Settings settings{grid, census, boundaries, gravity, limits, clock};
+    FreeSpheres spheres(bodies, sums, listed, settings, observation.due);
+    const auto* motion = bodies.column<MotionOf>();
+    auto boundary = std::ranges::lower_bound(census.boundaries, bodies.first());
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const Row last = rows.first + static_cast<Row>(rows.count);
+        while (boundary != census.boundaries.end() && *boundary < rows.first) ++boundary;
+        const bool has_boundary = boundary != census.boundaries.end() && *boundary < last;
+        if (rows.count == lane_count && !has_boundary &&
+            bits(equal(motion, rows, static_cast<std::uint32_t>(Motion::free))) == all_lanes)
+            spheres.move({rows.first, lane_count});
+        else
+            move_bodies(bodies.over({rows.first, last}), sums, listed, settings, lists, alarm);
+    });
+    if (spheres.used_up()) lists.note_used_up();
+    if (spheres.escaped()) alarm.raise();
+}
+
+} // namespace bris

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "components/census.hpp"
+#include "components/force_sums.hpp"
+#include "components/pair.hpp"
+#include "systems/integration/motion.hpp"
+
+#include <string>
+#include <vector>
+
+namespace bris {
+
+using MovedSpheres =
+    Rows<Bodies, const BodyId, const SumsFromOthers, const SpheresOf, const Mass, const MotionOf,
+         const InertialMass, const SphereInertia, const DriveVelocity, const PrunedAt,
+         const InnerSkin, const BoundingRadius, Force, Torque, Velocity, Acceleration, Position,
+         AngularMomentum, AngularVelocity, StepAngularVelocity, RigidMotion, Kick,
+         DisplacementBound>;
+
+/// Systems that move_spheres combines.
+inline const std::vector<std::string> parts_of_move_spheres{"sum_contacts",
+                                                            "apply_gravity",
+                                                            "integrate",
+                                                            "rotate_spheres",
+                                                            "update_sphere_positions",
+                                                            "update_kicks",
+                                                            "bound_displacement",
+                                                            "watch_motion"};
+
+/// From the sums of contact forces to what contacts read in the next step, in scenes of single
+/// spheres on which nothing but contacts and gravity acts. It gives the same bits as the systems
+/// that it combines, but each number of a body is loaded once. Forces and torques on spheres are
+/// stored in observed steps only.
+void move_spheres(MovedSpheres bodies, Rows<ForceSums, const NextSum, ContactSum> sums,
+                  Rows<Listed, ListedPosition> listed, const ForceGrid& grid, const Census& census,
+                  const BoundarySums& boundaries, const Gravity& gravity, const Limits& limits,
+                  const Clock& clock, const Observation& observation, ListState& lists,
+                  Alarm& alarm);
+
+} // namespace bris
