@@ -22,7 +22,7 @@ struct Settings {
     const Clock& clock;
 };
 
-/// The combined systems themselves, for groups of rows with a body that is driven or a boundary.
+/// The combined systems themselves, for groups of rows with a boundary and for incomplete ones.
 void move_bodies(const MovedSpheres& bodies, const Sums& sums, const Places& listed,
                  const Settings& s, ListState& lists, Alarm& alarm) {
     sum_contacts(bodies, sums, s.grid, s.census, s.boundaries);
@@ -35,11 +35,11 @@ void move_bodies(const MovedSpheres& bodies, const Sums& sums, const Places& lis
     watch_motion(bodies, s.limits, s.clock, s.census, alarm);
 }
 
-/// Moves lane_count free spheres at a time.
-class FreeSpheres {
+/// Moves lane_count spheres at a time.
+class SphereGroups {
 public:
-    FreeSpheres(const MovedSpheres& bodies, const Sums& sums, const Places& listed,
-                const Settings& s, bool observed)
+    SphereGroups(const MovedSpheres& bodies, const Sums& sums, const Places& listed,
+                 const Settings& s, bool observed)
         : bodies_(bodies), sums_(bodies, sums, s.grid, s.census, s.boundaries),
           sphere_(listed.column<ListedPosition>()),
           within_(s.limits, s.clock, s.census), gravity_{lanes(s.gravity.value.x()),
@@ -47,49 +47,75 @@ public:
                                                          lanes(s.gravity.value.z())},
           dt_(s.clock.dt), observed_(observed) {}
 
-private:
-    template <class C>
-    auto of(LaneRows rows) const {
-        return load(bodies_.column<C>(), rows);
+    /// Moves the spheres from row `first` on. Sets used_up() and escaped() if one of them calls for
+    /// it.
+    void move(Row first) {
+        const LaneRows rows{first, lane_count};
+        const LaneMask free =
+            equal(bodies_.column<MotionOf>(), rows, static_cast<std::uint32_t>(Motion::free));
+        if (bits(free) == all_lanes)
+            move<true>(rows, free);
+        else
+            move<false>(rows, free);
     }
-    template <class C>
-    void put(LaneRows rows, const Vec3Lanes& v) const {
-        store(bodies_.column<C>(), rows, v);
-    }
+    bool used_up() const { return bits(near_) != all_lanes; }
+    bool escaped() const { return bits(allowed_) != all_lanes; }
 
-public:
-    /// Sets used_up() and escaped() if one of the spheres calls for it.
-    [[gnu::always_inline]] void move(LaneRows rows) {
+private:
+    template <bool all_free>
+    [[gnu::always_inline]] void move(LaneRows rows, LaneMask free) {
         detail::NetForceLanes net = sums_.take_grains(rows.first);
-        net.force = net.force + of<Mass>(rows) * gravity_;
+        net.force = net.force + number<Mass>(rows) * gravity_;
         if (observed_) { // nothing else reads the forces on spheres
             put<Force>(rows, net.force);
             put<Torque>(rows, net.torque);
         }
-        const Lane mass = of<InertialMass>(rows), inverse_inertia = 1.0 / of<SphereInertia>(rows);
-        const Vec3Lanes a{net.force.x / mass, net.force.y / mass, net.force.z / mass},
-            v = of<Velocity>(rows) + dt_ * a, x = of<Position>(rows) + dt_ * v,
-            momentum = of<AngularMomentum>(rows) + dt_ * net.torque,
-            omega = inverse_inertia * (momentum + 0.5 * dt_ * net.torque),
-            step_omega = inverse_inertia * momentum;
+        const Lane mass = number<InertialMass>(rows),
+                   inverse_inertia = 1.0 / number<SphereInertia>(rows);
+        // without branches where all are free
+        const auto chosen = [&](const Vec3Lanes& moved, auto&& driven) {
+            if constexpr (all_free)
+                return moved;
+            else
+                return select(free, moved, driven());
+        };
+        const Vec3Lanes a = chosen({net.force.x / mass, net.force.y / mass, net.force.z / mass},
+                                   [] { return Vec3Lanes{}; }),
+                        v = chosen(vector<Velocity>(rows) + dt_ * a,
+                                   [&] { return vector<DriveVelocity>(rows); }),
+                        x = vector<Position>(rows) + dt_ * v,
+                        before = vector<AngularMomentum>(rows), after = before + dt_ * net.torque,
+                        momentum = chosen(after, [&] { return before; }),
+                        omega = chosen(inverse_inertia * (after + 0.5 * dt_ * net.torque),
+                                       [&] { return vector<AngularVelocity>(rows); }),
+                        step_omega = chosen(inverse_inertia * after,
+                                            [&] { return vector<StepAngularVelocity>(rows); });
         put<Acceleration>(rows, a);
         put<Velocity>(rows, v);
         put<Position>(rows, x);
         put<AngularMomentum>(rows, momentum);
         put<AngularVelocity>(rows, omega);
         put<StepAngularVelocity>(rows, step_omega);
-        show_contacts(rows, x, v, step_omega, 1.0 / mass);
+        show_contacts(rows, x, v, step_omega, free ? 1.0 / mass : Lane{});
         predict(rows, (0.5 * dt_) * a, omega - step_omega);
-        const Vec3Lanes gone = x - of<PrunedAt>(rows);
+        const Vec3Lanes gone = x - vector<PrunedAt>(rows);
         const Lane distance = sqrt(dot(gone, gone));
         store(bodies_.column<DisplacementBound>(), rows, distance);
-        near_ &= distance <= of<InnerSkin>(rows);
-        allowed_ &= within_.allow(x, v, omega, distance, of<BoundingRadius>(rows), ~LaneMask{});
+        near_ &= distance <= number<InnerSkin>(rows);
+        allowed_ &= within_.allow(x, v, omega, distance, number<BoundingRadius>(rows), free);
     }
-    bool used_up() const { return bits(near_) != all_lanes; }
-    bool escaped() const { return bits(allowed_) != all_lanes; }
-
-private:
+    template <class C>
+    Lane number(LaneRows rows) const {
+        return load(bodies_.column<C>(), rows);
+    }
+    template <class C>
+    Vec3Lanes vector(LaneRows rows) const {
+        return load(bodies_.column<C>(), rows);
+    }
+    template <class C>
+    void put(LaneRows rows, const Vec3Lanes& v) const {
+        store(bodies_.column<C>(), rows, v);
+    }
     /// What contacts read of the spheres.
     void show_contacts(LaneRows rows, const Vec3Lanes& x, const Vec3Lanes& v, const Vec3Lanes& w,
                        const Lane& inverse_mass) const {
@@ -129,21 +155,19 @@ void move_spheres(MovedSpheres bodies, Sums sums, Places listed, const ForceGrid
                   const Limits& limits, const Clock& clock, const Observation& observation,
                   ListState& lists, Alarm& alarm) {
     const Settings settings{grid, census, boundaries, gravity, limits, clock};
-    FreeSpheres spheres(bodies, sums, listed, settings, observation.due);
-    const auto* motion = bodies.column<MotionOf>();
+    SphereGroups groups(bodies, sums, listed, settings, observation.due);
     auto boundary = std::ranges::lower_bound(census.boundaries, bodies.first());
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const Row last = rows.first + static_cast<Row>(rows.count);
         while (boundary != census.boundaries.end() && *boundary < rows.first) ++boundary;
         const bool has_boundary = boundary != census.boundaries.end() && *boundary < last;
-        if (rows.count == lane_count && !has_boundary &&
-            bits(equal(motion, rows, static_cast<std::uint32_t>(Motion::free))) == all_lanes)
-            spheres.move({rows.first, lane_count});
+        if (rows.count == lane_count && !has_boundary)
+            groups.move(rows.first);
         else
             move_bodies(bodies.over({rows.first, last}), sums, listed, settings, lists, alarm);
     });
-    if (spheres.used_up()) lists.note_used_up();
-    if (spheres.escaped()) alarm.raise();
+    if (groups.used_up()) lists.note_used_up();
+    if (groups.escaped()) alarm.raise();
 }
 
 } // namespace bris
