@@ -63,6 +63,8 @@ void add_fouling_results(Summary& summary, const World& world) {
     summary.add("void_contaminant_index_percent", m.contaminant_index);
     summary.add("void_contamination_percent", m.void_contamination);
     summary.add("saturation_percent", m.saturation);
+    summary.add("field_updates", present.updates);
+    if (present.updates == 0) return; // contacts are weakened in the first step
     double friction = 1, stiffness = 1, most_friction = 0, most_stiffness = 0;
     for (const WeakenedPair& pair : world.resource<Materials>().weakened()) {
         friction = std::min(friction, pair.friction);
@@ -74,7 +76,6 @@ void add_fouling_results(Summary& summary, const World& world) {
     summary.add("largest_friction_factor", std::max(friction, most_friction));
     summary.add("least_stiffness_factor", stiffness);
     summary.add("largest_stiffness_factor", std::max(stiffness, most_stiffness));
-    summary.add("field_updates", present.updates);
 }
 
 } // namespace bris

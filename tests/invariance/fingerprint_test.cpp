@@ -22,6 +22,20 @@ struct Scene {
     unsigned steps = 1200;
 };
 
+/// Spheres in a box, every ninth of which is driven or fixed.
+World partly_driven_scene() {
+    World world = bed({.bodies = 120, .seed = seed});
+    const auto id = world.column<Bodies, BodyId>();
+    const auto motion = world.column<Bodies, MotionOf>();
+    for (Row b = 0; b < id.size(); ++b) {
+        if (motion[b] != static_cast<std::uint32_t>(Motion::free) || id[b] % 9 != 0) continue;
+        const bool fixed = id[b] % 18 == 0;
+        motion[b] = static_cast<std::uint32_t>(fixed ? Motion::fixed : Motion::prescribed);
+        if (!fixed) world.column<Bodies, DriveVelocity>()[b] = Vec3(0.01, 0, -0.02);
+    }
+    return world;
+}
+
 /// A membrane under pressure around grains that move in a box inside it.
 World tube_scene(Grains grains) {
     World world = bed({.grains = grains, .walls = Walls::planes, .bodies = 45, .seed = seed});
@@ -75,6 +89,7 @@ World tie_scene() {
 const std::vector<Scene>& scenes() {
     static const std::vector<Scene> list{
         {"spheres in a box of planes", [] { return bed({.bodies = 120, .seed = seed}); }},
+        {"spheres in a box of planes, some of them driven", partly_driven_scene},
         {"spheres in a box of facets",
          [] { return bed({.walls = Walls::facets, .bodies = 120, .seed = seed}); }},
         {"clumps in a box of planes",
