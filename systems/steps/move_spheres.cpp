@@ -9,7 +9,7 @@ namespace bris {
 
 namespace {
 
-using Sums = Rows<ForceSums, const NextSum, ContactSum>;
+using detail::SumRows;
 using Places = Rows<Listed, ListedPosition>;
 
 /// Resources that the combined systems read.
@@ -23,7 +23,7 @@ struct Settings {
 };
 
 /// The combined systems themselves, for groups of rows with a boundary and for incomplete ones.
-void move_bodies(const MovedSpheres& bodies, const Sums& sums, const Places& listed,
+void move_bodies(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, ListState& lists, Alarm& alarm) {
     sum_contacts(bodies, sums, s.grid, s.census, s.boundaries);
     apply_gravity(bodies, s.gravity);
@@ -38,7 +38,7 @@ void move_bodies(const MovedSpheres& bodies, const Sums& sums, const Places& lis
 /// Moves lane_count spheres at a time.
 class SphereGroups {
 public:
-    SphereGroups(const MovedSpheres& bodies, const Sums& sums, const Places& listed,
+    SphereGroups(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, bool observed)
         : bodies_(bodies), sums_(bodies, sums, s.grid, s.census, s.boundaries),
           sphere_(listed.column<ListedPosition>()),
@@ -150,7 +150,7 @@ private:
 
 } // namespace
 
-void move_spheres(MovedSpheres bodies, Sums sums, Places listed, const ForceGrid& grid,
+void move_spheres(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,
                   const Census& census, const BoundarySums& boundaries, const Gravity& gravity,
                   const Limits& limits, const Clock& clock, const Observation& observation,
                   ListState& lists, Alarm& alarm) {

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Campaigns in parts: two parts at once, one of them killed and started again, merged, give the table of the campaign without parts, in
-every campaign that has --part, and so do two processes of mpirun. The programs are stand-ins that take a moment and write numbers that depend on their options only."""
+every campaign that has --part, and so do two processes of mpirun. The programs are stand-ins that take a moment and write numbers that
+depend on their options only."""
 import json
 import os
 import shutil
@@ -13,8 +14,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 STAND_IN = '''#!/usr/bin/python3
-import hashlib, json, sys, time
-import os
+import hashlib, json, os, sys, time
 from pathlib import Path
 assert 'OMPI_COMM_WORLD_SIZE' not in os.environ  # this is no rank
 words = sys.argv[1:]
