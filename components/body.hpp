@@ -155,9 +155,10 @@ struct Kick : Derived<KickRow> {
 struct RigidMotion : Derived<MotionRow> {
     static constexpr auto name = "rigid_motion", unit = "m/s, 1/kg, rad/s";
 };
-/// Exists for clumps only.
+/// Written for clumps only.
 struct CentreOf : Derived<CentreRow> {
     static constexpr auto name = "centre", unit = "m";
+    static constexpr bool is_scratch = true;
 };
 
 /// Rows of a body's spheres: all of them in the table Spheres, and the listed ones in Listed.

@@ -73,6 +73,7 @@ struct alignas(64) ForceRow {
 };
 struct PairForce : Derived<ForceRow> {
     static constexpr auto name = "force", unit = "N, m";
+    static constexpr bool is_scratch = true;
 };
 
 /// Share of a near pair in the stiffness of its contact patch, in (0, 1]. Exists only where patches

@@ -27,6 +27,28 @@ std::size_t next_shift() {
     return (k % 16) * page + (k * 37 % 64) * line;
 }
 
+/// Makes scratch "not a number" in builds with sanitizers, so that their tests find readers of what
+/// nobody has written.
+void spoil([[maybe_unused]] std::byte* first, [[maybe_unused]] std::size_t bytes) {
+#ifdef BRIS_SANITIZED
+    if (bytes > 0) std::memset(first, 0xff, bytes);
+#endif
+}
+
+/// Bytes that are zero and begin at a huge page; memory that is not touched is not used.
+void* map_huge_pages(std::size_t bytes) {
+    const std::size_t more = bytes + huge_page - page;
+    void* mapped = mmap(nullptr, more, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (mapped == MAP_FAILED) throw std::bad_alloc();
+    auto* first = static_cast<std::byte*>(mapped);
+    const auto address = reinterpret_cast<std::uintptr_t>(mapped);
+    const std::size_t before = (huge_page - address % huge_page) % huge_page,
+                      after = more - before - bytes;
+    if (before > 0) munmap(first, before);
+    if (after > 0) munmap(first + before + bytes, after);
+    return first + before;
+}
+
 } // namespace
 
 Column::Block::Block(std::size_t bytes, std::size_t used) {
@@ -35,22 +57,31 @@ Column::Block::Block(std::size_t bytes, std::size_t used) {
     // half of it is used; the last part of a column is then in ordinary pages.
     const std::size_t shift = bytes >= 16 * page ? next_shift() : 0,
                       huge = (used + shift + huge_page / 2) / huge_page * huge_page,
-                      alignment = huge > 0 ? huge_page : line;
-    const std::size_t rounded =
-        std::max((bytes + shift + alignment - 1) / alignment * alignment, huge);
-    memory = std::aligned_alloc(alignment, rounded);
-    if (memory == nullptr) throw std::bad_alloc();
-    if (huge > 0) madvise(memory, huge, MADV_HUGEPAGE);
+                      unit = huge > 0 ? page : line;
+    const std::size_t rounded = std::max((bytes + shift + unit - 1) / unit * unit, huge);
+    if (huge > 0) {
+        memory = map_huge_pages(rounded);
+        mapped = rounded;
+        madvise(memory, huge, MADV_HUGEPAGE);
+    } else if (memory = std::aligned_alloc(line, rounded); memory == nullptr) {
+        throw std::bad_alloc();
+    }
     data = static_cast<std::byte*>(memory) + shift;
 }
 
 Column::Block& Column::Block::operator=(Block&& other) noexcept {
     std::swap(memory, other.memory);
     std::swap(data, other.data);
+    std::swap(mapped, other.mapped);
     return *this;
 }
 
-Column::Block::~Block() { std::free(memory); }
+Column::Block::~Block() {
+    if (mapped > 0)
+        munmap(memory, mapped);
+    else
+        std::free(memory);
+}
 
 Column::Column(const Column& other) : type_(other.type_) {
     resize(other.size_);
@@ -71,21 +102,26 @@ void Column::reserve(std::size_t rows) {
     if (size_ > 0) std::memcpy(bigger.data, bytes(), size_ * type_.value_size);
     block_ = std::move(bigger);
     capacity_ = wanted;
+    written_ = block_.mapped > 0 ? size_ : capacity_;
 }
 
 void Column::resize(std::size_t rows) {
     reserve(rows);
-    if (rows > size_) {
-        std::byte* fresh = bytes() + size_ * type_.value_size;
-        for_chunks((rows - size_) * type_.value_size, bytes_per_chunk,
+    std::byte* fresh = bytes() + size_ * type_.value_size;
+    const std::size_t end_of_written = std::min(rows, written_);
+    if (type_.is_scratch && rows > size_)
+        spoil(fresh, (rows - size_) * type_.value_size);
+    else if (end_of_written > size_)
+        for_chunks((end_of_written - size_) * type_.value_size, bytes_per_chunk,
                    [&](std::size_t, std::size_t first, std::size_t last) {
                        std::memset(fresh + first, 0, last - first);
                    });
-    }
+    written_ = std::max(written_, rows);
     size_ = rows;
 }
 
 void Column::permute(std::span<const Row> new_to_old) {
+    if (type_.is_scratch) return spoil(bytes(), size_ * type_.value_size);
     const std::size_t width = type_.value_size;
     Block moved(capacity_ * width, size_ * width);
     for_chunks(size_, std::max<std::size_t>(bytes_per_chunk / width, 1),
@@ -95,6 +131,7 @@ void Column::permute(std::span<const Row> new_to_old) {
                                    width);
                });
     block_ = std::move(moved);
+    written_ = block_.mapped > 0 ? size_ : capacity_;
 }
 
 } // namespace bris

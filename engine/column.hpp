@@ -15,8 +15,9 @@ namespace bris {
 /// the == of std::type_index would also compare the texts of different names.
 inline bool same_type(std::type_index a, std::type_index b) { return a.name() == b.name(); }
 
-/// One component of every row of a table, 64-byte aligned; new rows are zero. Values are moved with
-/// memcpy, so a component's value must be plain data.
+/// One component of every row of a table, 64-byte aligned; new rows are zero, except those of
+/// scratch columns, which have any value. Values are moved with memcpy, so a component's value must
+/// be plain data.
 class Column {
 public:
     struct Type {
@@ -26,7 +27,7 @@ public:
         Scalar scalar;
         std::size_t scalar_size; ///< bytes
         std::size_t value_size;  ///< bytes
-        bool is_key = false;
+        bool is_key = false, is_scratch = false;
         bool (*keep)(const std::byte* value) = nullptr; ///< null: every row is saved
     };
 
@@ -41,7 +42,7 @@ public:
     std::byte* bytes() { return block_.data; }
     const std::byte* bytes() const { return block_.data; }
 
-    /// Changes the number of rows; new rows are zero. Shrinking keeps the memory.
+    /// Changes the number of rows. Shrinking keeps the memory.
     void resize(std::size_t rows);
     /// Moves row `new_to_old[r]` to row r.
     void permute(std::span<const Row> new_to_old);
@@ -56,6 +57,7 @@ public:
                   C::scalar_size,
                   sizeof(typename C::Value)};
         if constexpr (requires { C::is_key; }) type.is_key = C::is_key;
+        if constexpr (requires { C::is_scratch; }) type.is_scratch = C::is_scratch;
         if constexpr (requires { &C::keep; })
             type.keep = [](const std::byte* value) {
                 return C::keep(*reinterpret_cast<const typename C::Value*>(value));
@@ -73,6 +75,7 @@ private:
         ~Block();
         void* memory = nullptr;
         std::byte* data = nullptr;
+        std::size_t mapped = 0; ///< bytes that were mapped, and were zero then; 0: others
     };
     void reserve(std::size_t rows);
 
@@ -80,6 +83,7 @@ private:
     Block block_;
     std::size_t size_ = 0;     // rows
     std::size_t capacity_ = 0; // rows
+    std::size_t written_ = 0;  // rows of the block that may have been written
 };
 
 } // namespace bris

@@ -4,6 +4,7 @@
 #include "systems/broadphase/lists.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -24,11 +25,15 @@ public:
                 if (History::keep(values[r])) ++first_[owner + 1];
         });
         for (std::size_t b = 0; b < bodies; ++b) first_[b + 1] += first_[b];
-        kept_.resize(first_.back());
+        names_.resize(first_.back());
+        values_.resize(first_.back());
         for_owners(names, [&](EntityId owner, std::size_t begin, std::size_t end) {
             Row next = first_[owner];
-            for (std::size_t r = begin; r < end; ++r)
-                if (History::keep(values[r])) kept_[next++] = {names[r], values[r]};
+            for (std::size_t r = begin; r < end; ++r) {
+                if (!History::keep(values[r])) continue;
+                names_[next] = names[r];
+                values_[next++] = values[r];
+            }
         });
     }
 
@@ -36,17 +41,13 @@ public:
     /// advances it, so names must be asked for in ascending order.
     typename History::Value find(const PairNames& names, Row& cursor) const {
         const Row end = first_[names.owner + 1];
-        while (cursor < end && kept_[cursor].names < names) ++cursor;
-        if (cursor < end && kept_[cursor].names == names) return kept_[cursor].value;
-        return {};
+        while (cursor < end && names_[cursor] < names) ++cursor;
+        return cursor < end && names_[cursor] == names ? values_[cursor]
+                                                       : typename History::Value{};
     }
     Row first(EntityId owner) const { return first_[owner]; }
 
 private:
-    struct Entry {
-        PairNames names;
-        typename History::Value value;
-    };
     /// Calls body(owner, begin, end) for the rows of each owner, which are contiguous and sorted,
     /// in parallel.
     template <class Body>
@@ -64,7 +65,8 @@ private:
         });
     }
     std::vector<Row> first_; // by owner's id
-    std::vector<Entry> kept_;
+    std::vector<PairNames> names_;
+    std::vector<typename History::Value> values_;
 };
 
 /// Copies the kept history into the new rows of a table.
@@ -82,11 +84,11 @@ void give_back(Table& table, const Kept<History>& kept, const std::vector<Row>& 
     });
 }
 
-/// Makes the rows of a pair table from candidates collected body by body, and carries the history
-/// over.
-template <class Pairs>
-void replace_pairs(World& world, const ChunkLists<Candidate>& found,
-                   const std::vector<Row>& first) {
+/// Makes the rows of a pair table from what was found body by body, and carries the history over.
+/// `candidate(entry)` is the Candidate of an entry of the lists.
+template <class Pairs, class Entry, class ToCandidate = std::identity>
+void replace_pairs(World& world, const ChunkLists<Entry>& found, const std::vector<Row>& first,
+                   ToCandidate&& candidate = {}) {
     Table& table = world.table<Pairs>();
     const auto ids = world.column<Bodies, BodyId>();
     const std::size_t count = ids.empty() ? 0 : std::size_t{*std::ranges::max_element(ids)} + 1;
@@ -96,7 +98,8 @@ void replace_pairs(World& world, const ChunkLists<Candidate>& found,
     table.resize(found.size());
     const auto names = table.column<PairKey>();
     const auto rows = table.column<PairRows>();
-    found.lay_out([&](std::size_t index, const Candidate& c) {
+    found.lay_out([&](std::size_t index, const Entry& entry) {
+        const Candidate c = candidate(entry);
         names[index] = c.names;
         rows[index] = c.rows;
     });

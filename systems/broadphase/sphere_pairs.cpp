@@ -194,12 +194,20 @@ struct Scratch {
     Cluster own, other;
 };
 
-void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector<Candidate>& list) {
-    const std::uint32_t law = s.materials.pair(s.material[a], s.material[b]);
-    const auto add = [&](Row i, Row j) {
-        list.push_back(
-            {{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first}, {i, j, b, law}});
-    };
+/// Rows of two bodies and of their spheres, from which their Candidate follows. There are so many
+/// of them at a time that their size matters.
+struct Found {
+    Row own, partner, sphere, other;
+};
+Candidate candidate(const Scene& s, const Found& f) {
+    return {
+        {s.id[f.own], s.id[f.partner], f.sphere - s.run[f.own].first,
+         f.other - s.run[f.partner].first},
+        {f.sphere, f.other, f.partner, s.materials.pair(s.material[f.own], s.material[f.partner])}};
+}
+
+void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector<Found>& list) {
+    const auto add = [&](Row i, Row j) { list.push_back({a, b, i, j}); };
     if (s.single) return add(s.run[a].first, s.run[b].first);
     const Cluster &own = scratch.own, &other = scratch.other;
     near_spheres(s, a, b, scratch.own);
@@ -236,10 +244,10 @@ void find_sphere_pairs(World& world) {
         return s.motion[b] == static_cast<std::uint32_t>(Motion::free);
     };
 
-    ChunkLists<Candidate> found;
+    ChunkLists<Found> found;
     std::vector<Row> first;
     std::vector<Scratch> scratch((bodies.size() + found.rows_per_chunk - 1) / found.rows_per_chunk);
-    found.collect(bodies.size(), first, [&](std::vector<Candidate>& list, Row a) {
+    found.collect(bodies.size(), first, [&](std::vector<Found>& list, Row a) {
         if (s.run[a].count == 0) return;
         Scratch& mine = scratch[a / found.rows_per_chunk];
         mine.partners.clear();
@@ -254,7 +262,8 @@ void find_sphere_pairs(World& world) {
                   [&](Row x, Row y) { return s.id[x] < s.id[y]; });
         for (const Row b : mine.partners) pairs_of_bodies(s, a, b, mine, list);
     });
-    replace_pairs<SpherePairs>(world, found, first);
+    replace_pairs<SpherePairs>(world, found, first,
+                               [&](const Found& f) { return candidate(s, f); });
 }
 
 } // namespace bris::detail

@@ -5,8 +5,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <fstream>
 #include <stdexcept>
+#include <unistd.h>
+#include <vector>
 
 using namespace bris;
 
@@ -22,22 +26,73 @@ struct Heat : State<double> {
 struct Place : Derived<Vec3> {
     static constexpr auto name = "place", unit = "m";
 };
+struct Record : Derived<std::array<double, 8>> {
+    static constexpr auto name = "record", unit = "";
+    static constexpr bool is_scratch = true;
+};
+
+/// Bytes of memory that this process uses now.
+double used_memory() {
+    std::ifstream file("/proc/self/statm");
+    double all = 0, resident = 0;
+    file >> all >> resident;
+    return resident * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+}
 
 } // namespace
 
 TEST_SUITE("engine/table") {
     TEST_CASE("new rows are zero, also if the table was larger before") {
+        const auto few = std::array{10u, 4u, 1000u}, many = std::array{400'000u, 4u, 500'000u},
+                   grown = std::array{400'000u, 4u, 2'000'000u};
+        for (const auto& [before, kept, after] : {few, many, grown}) {
+            Table table("things");
+            table.add<Heat>();
+            table.resize(before);
+            std::fill(table.column<Heat>().begin(), table.column<Heat>().end(), 3.0);
+            table.resize(kept);
+            table.resize(after);
+            const auto heat = table.column<Heat>();
+            REQUIRE(heat.size() == after);
+            CHECK(std::count(heat.begin(), heat.begin() + kept, 3.0) == kept);
+            CHECK(std::count(heat.begin() + kept, heat.end(), 0.0) == after - kept);
+        }
+    }
+
+    TEST_CASE("rows that are new after a permutation are zero") {
+        const Row n = 300'000;
         Table table("things");
         table.add<Heat>();
-        table.resize(10);
+        table.resize(n);
         std::fill(table.column<Heat>().begin(), table.column<Heat>().end(), 3.0);
-        table.resize(4);
-        table.resize(1000);
+        std::vector<Row> reversed(n);
+        for (Row r = 0; r < n; ++r) reversed[r] = n - 1 - r;
+        table.permute(reversed);
+        table.resize(10);
+        table.resize(n + 1000);
         const auto heat = table.column<Heat>();
-        REQUIRE(heat.size() == 1000);
-        CHECK(std::count(heat.begin(), heat.begin() + 4, 3.0) == 4);
-        CHECK(std::count(heat.begin() + 4, heat.end(), 0.0) == 996);
+        CHECK(std::count(heat.begin(), heat.end(), 3.0) == 10);
+        CHECK(std::count(heat.begin(), heat.end(), 0.0) == n + 990);
     }
+
+#ifndef BRIS_SANITIZED // there, scratch is filled with what is not a number
+    TEST_CASE("a large scratch column that nobody writes takes no memory") {
+        const double before = used_memory();
+        Table table("things");
+        table.add<Name>();
+        table.add<Record>();
+        const Row n = 1'000'000; // 64 MB of records, 4 MB of names
+        std::vector<Row> same(n);
+        for (Row r = 0; r < n; ++r) same[r] = r;
+        table.resize(n);
+        table.permute(same);
+        table.resize(0);
+        table.resize(n);
+        CHECK(used_memory() - before < 32e6);
+        std::ranges::fill(table.column<Record>(), std::array<double, 8>{1});
+        CHECK(used_memory() - before > 64e6);
+    }
+#endif
 
     TEST_CASE("a column that is added later is zero in every row, and adding it again changes "
               "nothing") {

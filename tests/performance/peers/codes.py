@@ -16,7 +16,8 @@ ROOT = HERE.parents[2]
 BUILD = Path(os.environ.get('BRIS_BUILD_DIR', ROOT / 'build'))
 BENCH = BUILD / 'bin' / 'peers_bench'
 MPIRUN = ['mpirun', '--allow-run-as-root', '--oversubscribe', '--bind-to', 'none', '-np']
-CODES = {'lammps': 'lmp', 'liggghts': 'liggghts', 'yade': 'yade', 'bris': str(BENCH)}
+NATIVE = BUILD / 'lammps_native.so'  # granular styles of LAMMPS compiled for this machine, made by native_lammps
+CODES = {'lammps': 'lmp', 'lammps_native': 'lmp', 'liggghts': 'liggghts', 'yade': 'yade', 'bris': str(BENCH)}
 PACKAGES = {'lmp': 'lammps', 'liggghts': 'liggghts', 'yade': 'yade', 'mpirun': 'openmpi-bin'}
 
 # the same as in scene.cpp; skin: m, of the neighbour lists of the other codes (BRIS sets its own); every: steps between rebuilds, 0: when necessary
@@ -48,7 +49,9 @@ def installed(codes):
         print(f'missing Debian packages: apt-get install {" ".join(missing)}', file=sys.stderr)
     if not BENCH.exists():
         sys.exit(f'expected {BENCH}, found none: run scenarios/build')
-    return [c for c in CODES if c in codes and shutil.which(CODES[c])]
+    if 'lammps_native' in codes and not NATIVE.exists():
+        print('without lammps_native, which tests/performance/peers/native_lammps makes', file=sys.stderr)
+    return [c for c in CODES if c in codes and shutil.which(CODES[c]) and (c != 'lammps_native' or NATIVE.exists())]
 
 
 def tile(base, spheres, bed):
@@ -134,9 +137,10 @@ def command(code, case, threads, steps, bed, data, step=None, places='none'):
         return ['yade', '-n', '-x', f'-j{threads}', HERE / 'yade.py', bed, f'law={law}'] + [f'{k}={v}' for k, v in values.items()]
     if scene in PRESSED:
         values.update(zip('xyz', open(bed).readline().split()[1:]))
-    values.update(data=data, **({'law': law} if code == 'lammps' else {'hertz': int(law == 'hertz')}))
+    values.update(data=data, **({'hertz': int(law == 'hertz')} if code == 'liggghts' else {'law': law}))
     variables = [word for name, value in values.items() for word in ('-var', name, value)]
-    run = [CODES[code], '-in', HERE / f'{code}.in', '-log', 'none', *variables]
+    preload = ['env', f'LD_PRELOAD={NATIVE}'] if code == 'lammps_native' else []
+    run = [*preload, CODES[code], '-in', HERE / f'{code.removesuffix("_native")}.in', '-log', 'none', *variables]
     return [*MPIRUN, threads, *run] if threads > 1 else run
 
 
