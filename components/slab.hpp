@@ -43,6 +43,7 @@ struct Slab {
     std::vector<double> cuts;      ///< m, ranks + 1, ascending; the outer ones are infinite
     unsigned rank = 0;             ///< of this process
     double widest_skin = 0;        ///< m, limit of the outer skins
+    Row first_ghost = 0;           ///< the rows of Bodies from here on are ghosts
     std::vector<GhostRows> ghosts; ///< by rank; only those with which bodies are shared
 
     std::size_t owner_of(double x) const {

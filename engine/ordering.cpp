@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 namespace bris {
 
@@ -22,6 +23,12 @@ std::vector<Row> rows_by_id(std::span<const EntityId> ids) {
     std::vector<Row> rows(ids.empty() ? 0 : std::size_t{*std::ranges::max_element(ids)} + 1,
                           no_row);
     for (Row r = 0; r < ids.size(); ++r) rows[ids[r]] = r;
+    return rows;
+}
+
+std::vector<Row> all_rows(std::size_t n) {
+    std::vector<Row> rows(n);
+    std::iota(rows.begin(), rows.end(), Row{0});
     return rows;
 }
 

@@ -19,6 +19,9 @@ inline double sum_by_id(std::span<const Row> rows, std::span<const double> value
     return sum;
 }
 
+/// The rows 0 to n - 1.
+std::vector<Row> all_rows(std::size_t n);
+
 /// Interleaves the low 21 bits of three cell numbers.
 std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
 

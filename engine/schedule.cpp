@@ -129,16 +129,30 @@ std::vector<bool> Schedule::live_systems(std::uint64_t due) const {
     return live;
 }
 
+std::size_t Schedule::combined_nodes(const Plan& plan, std::size_t first,
+                                     const std::vector<std::string>& names) const {
+    std::size_t found = 0;
+    for (std::size_t n = first; n < plan.nodes.size() && found < names.size(); ++n)
+        for (const std::size_t i : plan.nodes[n].systems) {
+            if (found == names.size() || steps_[i].name != names[found]) return 0;
+            if (++found == names.size() && i == plan.nodes[n].systems.back()) return n + 1 - first;
+        }
+    return 0;
+}
+
 void Schedule::combine(Plan& plan) const {
+    if (!settings_.combined || !settings_.fused) return;
     for (std::size_t i = 0; i < steps_.size(); ++i) {
-        if (steps_[i].combines.empty() || !missing_[i].empty() || !settings_.combined) continue;
-        for (auto& node : plan.nodes)
-            if (std::ranges::equal(node.systems, steps_[i].combines, {},
-                                   [&](std::size_t j) { return steps_[j].name; })) {
-                node.systems = {i};
-                node.name = steps_[i].name;
-                plan.live[i] = true;
-            }
+        if (steps_[i].combines.empty() || !missing_[i].empty()) continue;
+        for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
+            const std::size_t count = combined_nodes(plan, n, steps_[i].combines);
+            if (count == 0) continue;
+            plan.nodes[n].systems = {i};
+            plan.nodes[n].name = steps_[i].name;
+            const auto next = plan.nodes.begin() + static_cast<std::ptrdiff_t>(n) + 1;
+            plan.nodes.erase(next, next + static_cast<std::ptrdiff_t>(count - 1));
+            plan.live[i] = true;
+        }
     }
 }
 
@@ -300,7 +314,8 @@ std::string Schedule::explain() const {
         if (!missing_[i].empty())
             text += fmt::format("  {}: absent ({})\n", steps_[i].name, missing_[i]);
         else if (!steps_[i].combines.empty() && !plan.live[i])
-            text += fmt::format("  {}: the pass has not exactly the systems that it combines\n",
+            text += fmt::format("  {}: not exactly the systems that it combines run one after "
+                                "another\n",
                                 steps_[i].name);
         else if (!plan.live[i])
             text +=

@@ -13,7 +13,7 @@ namespace bris {
 struct ScheduleSettings {
     bool serial = false;  ///< never runs the graph, but one system after another
     bool fused = true;    ///< runs adjacent row-local systems in one pass over the rows
-    bool combined = true; ///< a pass may be replaced by a system that combines those in it
+    bool combined = true; ///< with `fused`: systems may be replaced by one that combines them
     /// Another valid order: of the systems that could run next, the last one runs.
     bool last_order = false;
     bool timed = false; ///< measures the wall time per node
@@ -32,7 +32,7 @@ struct ScheduleSettings {
 /// connected by an edge if they access the same data and one of them writes it. A system is left
 /// out if the scene lacks data that it needs (absent), if no system reads what it derives
 /// (unwanted), and in steps in which it is not due. Adjacent systems that are row-local on the same
-/// table become one node, in whose place a system runs that combines exactly these.
+/// table become one node. In place of consecutive nodes a system runs that combines exactly theirs.
 class Schedule {
 public:
     explicit Schedule(StepList steps, ScheduleSettings settings = {});
@@ -58,6 +58,9 @@ private:
     Plan& plan_for(std::uint64_t due);
     std::vector<bool> live_systems(std::uint64_t due) const;
     void combine(Plan& plan) const;
+    /// Number of nodes from `first` on whose systems are exactly those named; 0: they are not.
+    std::size_t combined_nodes(const Plan& plan, std::size_t first,
+                               const std::vector<std::string>& names) const;
     void run_node(Plan& plan, std::size_t node, World& world);
 
     StepList steps_;

@@ -108,8 +108,8 @@ struct System {
     bool (*due)(const World&) = nullptr; ///< null: due in every step
     /// If the tables exist, the columns must exist too.
     bool required = false;
-    /// Names of systems: where exactly these run in one pass, this one runs instead, with the same
-    /// result. Elsewhere it is left out. Empty: it runs for itself.
+    /// Names of systems: where exactly these run one after another, this one runs instead, with the
+    /// same result. Elsewhere it is left out. Empty: it runs for itself.
     std::vector<std::string> combines;
     /// Whether all tables and resources exist.
     bool (*lacks_only_columns)(const World&) = nullptr;
@@ -184,7 +184,7 @@ inline System required(System system) {
     return system;
 }
 
-/// The same row-local system, which replaces `systems` where nothing else runs in their pass.
+/// The same system, which replaces `systems` where nothing else runs between them or in their pass.
 inline System combined(std::vector<std::string> systems, System system) {
     system.combines = std::move(systems);
     return system;

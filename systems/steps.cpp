@@ -117,6 +117,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("bound_displacement_and_rotation", bound_displacement_and_rotation),
         row_local("watch_motion", watch_motion),
         combined(parts_of_move_spheres, row_local("move_spheres", move_spheres)),
+        combined(parts_of_move_spheres_of_slab,
+                 system("move_spheres_of_slab", move_spheres_of_slab)),
         // inertial recorders
         when(is_recording, system("share_motion", share_motion)),
         when(is_recording, system("record_motion", record_motion)),

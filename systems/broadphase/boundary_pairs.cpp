@@ -2,6 +2,7 @@
 #include "components/material.hpp"
 #include "components/membrane_surface.hpp"
 #include "components/slab.hpp"
+#include "engine/ordering.hpp"
 #include "systems/broadphase/carry_over.hpp"
 #include "systems/broadphase/skins.hpp"
 #include "systems/broadphase/sphere_rows.hpp"
@@ -47,13 +48,6 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
                   [](const Candidate& x, const Candidate& y) { return x.names < y.names; });
     });
     replace_pairs<Pairs>(world, found, first);
-}
-
-// all parts for every body, where there are few
-std::vector<Row> all_rows(std::size_t n) {
-    std::vector<Row> rows(n);
-    std::iota(rows.begin(), rows.end(), Row{0});
-    return rows;
 }
 
 /// Boxes sorted into cells, to find those that may contain a point.

@@ -16,15 +16,24 @@ namespace bris {
 
 namespace {
 
-// sorts bodies along a Morton curve, and spheres with them; driven bodies too, because they are few
-void sort_rows(World& world) {
+// rows of bodies along a Morton curve; driven bodies too, because they are few
+std::vector<Row> sorted_rows(const Table& bodies) {
+    double sum = 0;
+    for (const double r : bodies.column<BoundingRadius>()) sum += r;
+    return sum > 0 ? morton_order(bodies.column<Position>(), bodies.column<BodyId>(),
+                                  2 * sum / static_cast<double>(bodies.size()))
+                   : all_rows(bodies.size());
+}
+
+// changes the order of the bodies, and of their spheres with them: sorted, if asked for, and with
+// ghosts at the end. Returns whether anything has moved.
+bool order_rows(World& world, bool sort) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
-    const auto radius = bodies.column<BoundingRadius>();
-    double mean = 0;
-    for (const double r : radius) mean += r;
-    if (!(mean > 0)) return;
-    const auto order = morton_order(bodies.column<Position>(), bodies.column<BodyId>(),
-                                    2 * mean / static_cast<double>(bodies.size()));
+    if (!sort && !bodies.has<Ghost>()) return false;
+    const Ghosts ghosts(bodies);
+    std::vector<Row> order = sort ? sorted_rows(bodies) : all_rows(bodies.size());
+    std::stable_partition(order.begin(), order.end(), [&](Row b) { return !ghosts[b]; });
+    if (std::ranges::is_sorted(order)) return false;
     const auto run = bodies.column<SpheresOf>();
     std::vector<Row> sphere_order;
     sphere_order.reserve(spheres.size());
@@ -32,6 +41,7 @@ void sort_rows(World& world) {
         for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) sphere_order.push_back(k);
     bodies.permute(order);
     spheres.permute(sphere_order);
+    return true;
 }
 
 void take_census(World& world) {
@@ -108,11 +118,9 @@ void rebuild_pairs(World& world) {
         return;
     const auto& settings = world.resource<ListSettings>();
     detail::find_runs(world);
-    if (settings.sort_every > 0 && state.rebuilds % settings.sort_every == 0) {
-        sort_rows(world);
-        detail::find_runs(world);
-        ++state.sorts;
-    }
+    const bool sort = settings.sort_every > 0 && state.rebuilds % settings.sort_every == 0;
+    if (order_rows(world, sort)) detail::find_runs(world);
+    if (sort) ++state.sorts;
     take_census(world);
     detail::note_poses<RebuiltAt, RebuiltOrientation>(world);
     if (world.has<Elements>())

@@ -53,6 +53,7 @@ void list_ghosts(
     const SphereRun* run = bodies.column<SpheresOf>();
     const std::uint32_t* ghost = bodies.column<Ghost>();
     std::vector<GhostRows> with(slab.cuts.size() - 1);
+    slab.first_ghost = static_cast<Row>(std::find(ghost, ghost + bodies.size(), 1u) - ghost);
     for (Row b = 0; b < bodies.size(); ++b) {
         if (run[b].count == 0) continue;
         const double x = position[b][slab.axis], reach = detail::reach_of(radius[b], census, slab);

@@ -1,9 +1,11 @@
 #include "systems/steps/move_spheres.hpp"
 
 #include "engine/lane_math.hpp"
+#include "engine/parallel.hpp"
 #include "systems/contact/body_sums.hpp"
 #include "systems/contact/sum_contacts.hpp"
 #include "systems/guard.hpp"
+#include "systems/slabs/slabs.hpp"
 
 namespace bris {
 
@@ -168,6 +170,34 @@ void move_spheres(MovedSpheres bodies, SumRows sums, Places listed, const ForceG
     });
     if (groups.used_up()) lists.note_used_up();
     if (groups.escaped()) alarm.raise();
+}
+
+void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,
+                          const Census& census, const BoundarySums& boundaries,
+                          const Gravity& gravity, const Limits& limits, const Clock& clock,
+                          const Observation& observation, Slab& slab, ListState& lists,
+                          Alarm& alarm) {
+    constexpr std::size_t rows_per_chunk = 512; // a multiple of the lanes
+    const auto over = [&](RowRange all, auto&& body) {
+        for_chunks(all.size(), rows_per_chunk,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                       body(bodies.over({all.first + static_cast<Row>(first),
+                                         all.first + static_cast<Row>(last)}));
+                   });
+    };
+    const RowRange ghosts{slab.first_ghost, static_cast<Row>(bodies.size())};
+    over({0, ghosts.first}, [&](const MovedSpheres& own) {
+        move_spheres(own, sums, listed, grid, census, boundaries, gravity, limits, clock,
+                     observation, lists, alarm);
+    });
+    pass_spheres(bodies, slab);
+    over(ghosts, [&](const MovedSpheres& others) {
+        sum_contacts(others, sums, grid, census, boundaries); // clears them
+        update_sphere_positions(others, listed);
+        update_kicks(others, clock);
+        bound_displacement(others, lists);
+        watch_motion(others, limits, clock, census, alarm);
+    });
 }
 
 } // namespace bris

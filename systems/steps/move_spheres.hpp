@@ -3,6 +3,7 @@
 #include "components/census.hpp"
 #include "components/force_sums.hpp"
 #include "components/pair.hpp"
+#include "components/slab.hpp"
 #include "systems/integration/motion.hpp"
 
 #include <string>
@@ -36,5 +37,20 @@ void move_spheres(MovedSpheres bodies, Rows<ForceSums, const NextSum, ContactSum
                   const BoundarySums& boundaries, const Gravity& gravity, const Limits& limits,
                   const Clock& clock, const Observation& observation, ListState& lists,
                   Alarm& alarm);
+
+/// Systems that move_spheres_of_slab combines: the same on several ranks.
+inline const std::vector<std::string> parts_of_move_spheres_of_slab{
+    "sum_contacts",   "apply_gravity",      "integrate",
+    "rotate_spheres", "pass_spheres",       "update_sphere_positions",
+    "update_kicks",   "bound_displacement", "watch_motion"};
+
+/// Moves the bodies of this rank as move_spheres does, gives ghosts their motion, and updates what
+/// contacts read of them.
+void move_spheres_of_slab(MovedSpheres bodies, Rows<ForceSums, const NextSum, ContactSum> sums,
+                          Rows<Listed, ListedPosition> listed, const ForceGrid& grid,
+                          const Census& census, const BoundarySums& boundaries,
+                          const Gravity& gravity, const Limits& limits, const Clock& clock,
+                          const Observation& observation, Slab& slab, ListState& lists,
+                          Alarm& alarm);
 
 } // namespace bris

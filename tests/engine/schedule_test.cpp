@@ -242,8 +242,8 @@ TEST_SUITE("engine/schedule") {
         CHECK(std::ranges::equal(world.column<Others, D>(), in_order.column<Others, D>()));
     }
 
-    TEST_CASE("a system that combines others runs in their place where nothing else runs in their "
-              "pass, and nowhere else") {
+    TEST_CASE("a system that combines others runs in their place where nothing else runs between "
+              "them, and nowhere else") {
         const StepList parts{row_local("left", b_from_a), row_local("right", c_from_a),
                              row_local("join", a_from_b_and_c)};
         const auto all_at_once = +[](Rows<Cells, A, B, C> cells) {
@@ -271,9 +271,24 @@ TEST_SUITE("engine/schedule") {
         CHECK(c_after_step(whole, {.combined = false}) != 17);
         CHECK(c_after_step(whole, {.fused = false}) != 17);
         CHECK(c_after_step(fewer, {}) != 17);
+        // also in place of a system between two passes
+        StepList apart{row_local("left", b_from_a), system("look", d_from_all_b),
+                       row_local("right", c_from_a), row_local("join", a_from_b_and_c)};
+        const auto with_look = +[](Rows<Cells, A, B, C> cells, Rows<Others, D> others) {
+            b_from_a(cells);
+            d_from_all_b(others, cells);
+            c_from_a(cells);
+            a_from_b_and_c(cells);
+            cells.column<C>()[0] = 18;
+        };
+        apart.push_back(combined({"left", "look", "right", "join"}, system("all", with_look)));
+        CHECK(c_after_step(apart, {}) == 18);
+        CHECK(c_after_step(apart, {.combined = false}) != 18);
+        apart.back().combines.pop_back();
+        CHECK(c_after_step(apart, {}) != 18);
         World world = world_of(10);
         CHECK(has(explained(whole, world), "in place of left + right + join"));
-        CHECK(has(explained(fewer, world), "all at once: the pass has not exactly the systems"));
+        CHECK(has(explained(fewer, world), "all at once: not exactly the systems"));
     }
 
     TEST_CASE("row-local systems do not share a pass if one writes another table that the next one "

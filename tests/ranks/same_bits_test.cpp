@@ -9,9 +9,11 @@
 #include "systems/fields/initial_fouling.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/sleep/sleep.hpp"
+#include "systems/steps.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 
@@ -174,9 +176,33 @@ TEST_SUITE("ranks") {
         CHECK(ghosts > 0);
         CHECK(over_ranks(own) == 400);
         CHECK(over_ranks(ghosts) < 400 * (Ranks::size() - 1) / 2 + 100);
+        // ghosts have the last rows
+        CHECK(part.resource<Slab>().first_ghost + static_cast<std::size_t>(ghosts) == ghost.size());
+        CHECK(std::is_sorted(ghost.begin(), ghost.end()));
         divided.look();
         CHECK(divided.part() == nullptr);
         CHECK(divided.step() == 900);
+    }
+
+    TEST_CASE("single spheres are moved and passed on by one system, with the same bits as by "
+              "those that it combines") {
+        BenchSettings settings = plain();
+        const auto make = [] { return long_heap(Grains::spheres, Walls::planes, 120, 11); };
+        Simulation together = begin(make(), settings);
+        together.advance_unseen(1000);
+        REQUIRE(together.part() != nullptr);
+        World copy(*together.part());
+        Schedule schedule(steps(settings.law));
+        schedule.prepare(copy);
+        const std::string text = schedule.explain();
+        CHECK(text.find("rotate_spheres + pass_spheres + update_sphere_positions") !=
+              std::string::npos);
+        settings.schedule.combined = false;
+        Simulation apart = begin(make(), settings);
+        apart.advance_unseen(1000);
+        together.look();
+        apart.look();
+        CHECK(difference(together.snapshot(), apart.snapshot()) == "");
     }
 
     TEST_CASE("ties with loads, and plates on springs, feel the contacts of all ranks") {
