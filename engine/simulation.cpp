@@ -59,7 +59,15 @@ void Simulation::advance_part() {
 
 void Simulation::give_back() {
     division_.give_back(part_->world, *world_);
+    for (const auto& [name, seconds] : part_->schedule.seconds())
+        seconds_of_parts_[name] += seconds;
     part_.reset();
+}
+
+std::map<std::string, double> Simulation::seconds() const {
+    auto all = schedule_.seconds();
+    for (const auto& [name, seconds] : seconds_of_parts_) all[name] += seconds;
+    return all;
 }
 
 void Simulation::look() {

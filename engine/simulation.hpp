@@ -4,7 +4,9 @@
 #include "engine/schedule.hpp"
 #include "engine/world.hpp"
 
-#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
 
 namespace bris {
 
@@ -51,6 +53,9 @@ public:
     void look();
     std::uint64_t step() const; ///< number of the present step, up to date in any case
     const StepCount& count() const { return count_; }
+    /// Seconds of each node so far, if timed: of the whole world, and of the parts that were given
+    /// back.
+    std::map<std::string, double> seconds() const;
 
     /// Divides the world among the ranks of the run while it advances.
     void divide(Division division) { division_ = division; }
@@ -92,6 +97,7 @@ private:
     Schedule schedule_;
     void (*on_restore_)(World&) = nullptr;
     StepCount count_;
+    std::map<std::string, double> seconds_of_parts_;
 };
 
 } // namespace bris

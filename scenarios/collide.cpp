@@ -8,6 +8,7 @@
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/verification/names.hpp"
+#include "systems/fusion/sensor_filter.hpp"
 
 namespace {
 
@@ -104,7 +105,7 @@ void run(const CollideSettings& settings, const Common& common) {
     s.material = settings.material.material;
     s.material.friction = settings.friction;
     s.material.restitution = settings.restitution;
-    s.filter.kind = named<FilterKind>(filter_names, settings.filter);
+    s.filter.kind = filter_named(settings.filter);
     s.seed = common.seed;
     const CollideResult r = run_experiment(s);
     std::vector<std::vector<double>> rows;

@@ -17,7 +17,6 @@ template Tension named(const std::vector<std::string>&, const std::string&);
 template ShearHistory named(const std::vector<std::string>&, const std::string&);
 template Target named(const std::vector<std::string>&, const std::string&);
 template Lattice named(const std::vector<std::string>&, const std::string&);
-template FilterKind named(const std::vector<std::string>&, const std::string&);
 
 std::vector<std::string> law_choices() {
     auto names = law_names();

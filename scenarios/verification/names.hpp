@@ -5,7 +5,6 @@
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/verification/crystal.hpp"
 #include "scenarios/verification/impact.hpp"
-#include "systems/fusion/sensor_filter.hpp"
 
 #include <string>
 #include <vector>
@@ -27,7 +26,6 @@ extern template Tension named(const std::vector<std::string>&, const std::string
 extern template ShearHistory named(const std::vector<std::string>&, const std::string&);
 extern template Target named(const std::vector<std::string>&, const std::string&);
 extern template Lattice named(const std::vector<std::string>&, const std::string&);
-extern template FilterKind named(const std::vector<std::string>&, const std::string&);
 
 /// Names of the laws whose coefficients materials alone state: choices of an option where pairs of
 /// materials have none of their own.

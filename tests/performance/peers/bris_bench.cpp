@@ -45,7 +45,7 @@ struct Bench {
 
     void describe(auto& option) {
         option("scene", scene, "", "Scene, which determines stiffness, time step and gravity.",
-               {"settle", "fall", "shear", "quiet", "poly", "clumps", "drop", "triaxial",
+               {"settle", "fall", "shear", "quiet", "poly", "poly5", "clumps", "drop", "triaxial",
                 "triaxial_spheres"});
         option("low", low, "m", "Spheres whose centres start below this height are held.");
         option("high", high, "m",
@@ -180,7 +180,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     world.resource<NearIndex<SpherePairs>>().for_touching([&](Row) { ++touching; });
     o.coordination = 2 * static_cast<double>(touching) / static_cast<double>(bed.balls.size());
     const ListState before = world.resource<ListState>();
-    const std::map<std::string, double> seconds_before = simulation.schedule().seconds();
+    const std::map<std::string, double> seconds_before = simulation.seconds();
 
     const Ranks::Traffic sent = Ranks::traffic();
     const auto began = this_instant();
@@ -197,7 +197,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     o.prunes = world.resource<ListState>().prunes - before.prunes;
     o.fingerprint = fingerprint(simulation.snapshot());
     o.sleepers = sleepers(world);
-    o.seconds = simulation.schedule().seconds();
+    o.seconds = simulation.seconds();
     for (const auto& [name, seconds] : seconds_before) o.seconds[name] -= seconds;
     return o;
 }

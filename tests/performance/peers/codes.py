@@ -27,6 +27,7 @@ SCENES = {
     'quiet': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, rocks=0),
     'shear': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, rocks=0),
     'poly': dict(dt=2e-6, skin=6e-4, kn=1e5, gn=20600, gz=1000, every=20, rocks=0),
+    'poly5': dict(dt=2e-6, skin=6e-4, kn=1e5, gn=20600, gz=1000, every=20, rocks=0),
     'clumps': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, rocks=1),
     'drop': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, rocks=1),
     'triaxial': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=0, every=0, rocks=1),

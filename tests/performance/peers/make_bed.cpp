@@ -43,11 +43,14 @@ Bed loose_spheres(unsigned spheres) {
     return bed;
 }
 
-/// Fouled ballast: 30 spheres of radius 20 mm with 15 000 spheres of radius 2 mm between them.
-Bed loose_mixture() {
-    const double large = 0.02, small = 0.002, wide = 2.1 * large, narrow = 2.05 * small;
-    const unsigned across = 3, larges = 30, smalls = 15000;
-    Bed bed{wide * Vec3(across, across, 5), {}, {}};
+/// Fouled ballast: 15 000 spheres of radius 2 mm and, with twice their volume, large ones in a box
+/// of 126 mm.
+Bed loose_mixture(unsigned larges, double large) {
+    const double side_of_box = 0.126, small = 0.002, narrow = 2.05 * small;
+    const auto across = static_cast<unsigned>(std::lround(side_of_box / (2.1 * large)));
+    const unsigned smalls = 15000;
+    const double wide = side_of_box / across;
+    Bed bed{wide * Vec3(across, across, (larges - 1) / (across * across) + 1), {}, {}};
     for (unsigned n = 0; n < larges; ++n)
         bed.balls.push_back(
             {wide * Vec3(n % across + 0.5, n / across % across + 0.5, n / (across * across) + 0.5),
@@ -178,11 +181,12 @@ Bed pressed_bed(const Scene& scene, unsigned spheres, unsigned threads) {
 
 Bed make_bed(const Scene& scene, unsigned spheres, unsigned threads) {
     if (scene.pressed) return pressed_bed(scene, spheres, threads);
-    Bed bed = scene.name == "poly"     ? loose_mixture()
+    Bed bed = scene.name == "poly"     ? loose_mixture(30, 0.02)
+              : scene.name == "poly5"  ? loose_mixture(240, 0.01)
               : scene.name == "clumps" ? loose_rocks()
                                        : loose_spheres(spheres);
-    // poly already has a large gravity
-    const double more = scene.name == "poly" ? 1 : 10,
+    const bool large_gravity = scene.name == "poly" || scene.name == "poly5";
+    const double more = large_gravity ? 1 : 10,
                  speed = 0.05 * std::sqrt(more * scene.gravity * bed.box.z());
     settle(bed, scene, {more, slippery, 0.2, 2, speed}, threads);
     settle(bed, scene, {1, slippery, 0.5, 0.3, 0}, threads);

@@ -57,20 +57,21 @@ void add_single(World& world, const Ball& ball, const Scene& scene, std::uint32_
 } // namespace
 
 Scene scene_named(const std::string& name) {
-    static const std::array<Scene, 9> scenes{
+    static const std::array<Scene, 10> scenes{
         {{"settle", 1e6, 5838, 1e-5, 9.81},
          {"fall", 1e6, 5838, 1e-5, 9.81, true},
          {"shear", 1e6, 5838, 1e-5, 9.81},
          {"quiet", 1e6, 5838, 1e-5, 9.81},
          {"poly", 1e5, 20600, 2e-6, 1000},
+         {"poly5", 1e5, 20600, 2e-6, 1000},
          {"clumps", 1e6, 1250, 2e-5, 9.81},
          {"drop", 1e6, 1250, 2e-5, 9.81, true},
          {"triaxial", 1e6, 1250, 2e-5, 0, false, true},
          {"triaxial_spheres", 1e6, 5838, 1e-5, 0, false, true}}};
     for (const Scene& scene : scenes)
         if (scene.name == name) return scene;
-    throw InputError("--scene: expected settle, fall, shear, quiet, poly, clumps, drop, triaxial "
-                     "or triaxial_spheres, found " +
+    throw InputError("--scene: expected settle, fall, shear, quiet, poly, poly5, clumps, drop, "
+                     "triaxial or triaxial_spheres, found " +
                      name);
 }
 

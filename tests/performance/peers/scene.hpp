@@ -31,8 +31,9 @@ constexpr double friction = 0.5;
 // in the other codes
 constexpr double young_modulus = 5e8, poisson_ratio = 0.25, restitution = 0.3;
 
-/// The scene with a name: settle, fall (settle, stretched), shear, quiet, poly, clumps, drop
-/// (clumps, stretched), triaxial (clumps under pressure) or triaxial_spheres. Throws InputError.
+/// The scene with a name: settle, fall (settle, stretched), shear, quiet, poly and poly5 (radii
+/// 1:10 and 1:5), clumps, drop (clumps, stretched), triaxial (clumps under pressure) or
+/// triaxial_spheres. Throws InputError.
 Scene scene_named(const std::string& name);
 
 LawName law_named(const std::string& name); ///< linear or hertz

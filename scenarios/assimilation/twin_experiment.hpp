@@ -1,0 +1,80 @@
+#pragma once
+
+#include "engine/progress.hpp"
+#include "engine/scenario.hpp"
+#include "engine/summary.hpp"
+#include "scenarios/assimilation/analysis.hpp"
+#include "scenarios/assimilation/generations.hpp"
+#include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/assimilation/twin_settings.hpp"
+
+#include <map>
+#include <optional>
+
+namespace bris {
+
+/// Estimates from ensemble members, and their forecast.
+struct Assimilated {
+    Learned learned;
+    ModelRun forecast = {};   // if a variant needs it
+    RockScatter scatter = {}; // if a variant needs it
+    std::size_t outliers = 0; // displacements that were rejected
+    double wall = 0;
+};
+
+/// A true test, and the variants of its model. `settings` and `common` must outlive it.
+class TwinExperiment {
+public:
+    TwinExperiment(const TwinSettings& settings, const Common& common);
+    /// Runs the truth, the ensemble members and the variants, and records the truth if asked for.
+    void run();
+    /// Prints the results of `run` and writes them to the folder of the results.
+    void report() const;
+
+private:
+    ModelVariant variant_of(const std::string& name) const;
+    std::string data_set_of(const std::string& variant) const;
+    Assimilated assimilate(const std::string& data_set, const SensorObservations& observations);
+    ModelRun compute(const ModelVariant& variant);
+    std::vector<TriaxialPoint> measured() const;
+    void record(const RecordingSettings& settings) const;
+    void make_specimens();
+    const PreparedSpecimen& specimen_of(const std::string& variant) const {
+        return model_ && variant != "truth" && variant != "perturbed" ? *model_ : true_;
+    }
+    /// Number of shells whose errors are reported. In another packing only the sensor rocks have
+    /// the positions of the truth.
+    std::size_t shells_of(const std::string& variant) const {
+        return t_.mismatch.packing > 0 && variant != "perturbed" ? 1 : shells;
+    }
+    std::vector<ModelRun> run_all(const std::vector<ModelVariant>& variants, double strain);
+    ModelRun run_another();
+
+    // results
+    void add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
+    void add_properties(Summary& summary, const std::string& name, const ModelRun& run) const;
+    void add_starts(Summary& summary) const;
+    void add_learned(Summary& summary, const std::string& name,
+                     const Assimilated& assimilated) const;
+    void write_smoothed() const;
+    void draw() const;
+
+    static constexpr std::size_t shells = 5; ///< the sensor rocks and four shells about them
+
+    const TwinSettings& t_;
+    const Common& common_;
+    Learning learning_;
+    PreparedSpecimen true_;
+    std::optional<PreparedSpecimen> model_; // if it differs from the truth's
+    std::vector<std::string> names_;
+    TriaxialSettings test_;
+    Progress progress_;
+    ModelRun truth_;
+    std::optional<SensorObservations> observations_, observations_of_another_;
+    std::optional<Ensemble> first_;                  // first generation, shared by all data sets
+    std::map<std::string, Assimilated> assimilated_; // by data set; "all": all measurements
+    std::vector<ModelVariant> variants_;
+    std::vector<ModelRun> runs_;
+};
+
+} // namespace bris

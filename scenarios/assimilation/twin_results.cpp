@@ -1,0 +1,204 @@
+#include "engine/io/csv.hpp"
+#include "engine/io/plot.hpp"
+#include "engine/signal/attitude.hpp"
+#include "scenarios/assimilation/compared_curves.hpp"
+#include "scenarios/assimilation/layouts.hpp"
+#include "scenarios/assimilation/learning_results.hpp"
+#include "scenarios/assimilation/twin_experiment.hpp"
+#include "scenarios/assimilation/twin_variants.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+namespace bris {
+
+namespace {
+
+constexpr std::array shell_names{"sensors", "shell_1", "shell_2", "shell_3", "shell_4"};
+
+/// Calls visit(name, unit, error) for each error of a run; errors of rocks for the first `shells`
+/// shells only.
+void visit_errors(const TwinErrors& e, std::size_t shells, auto&& visit) {
+    visit("q", "Pa", e.q);
+    visit("volumetric_strain", "", e.volumetric_strain);
+    visit("ring_radius", "m", e.ring_radius);
+    for (std::size_t s = 0; s < shells; ++s)
+        visit(fmt::format("displacement_{}", shell_names[s]), "m", e.displacement[s]);
+    for (std::size_t s = 0; s < shells; ++s)
+        visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
+}
+
+} // namespace
+
+void TwinExperiment::add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
+    const std::string& name = variants_[k].name;
+    const auto add = [&](const char* what, const auto& value) {
+        summary.add(fmt::format("{}_{}", name, what), value);
+    };
+    std::map<std::string, double> free;
+    if (of_free && name != "free")
+        visit_errors(*of_free, shells_of("free"),
+                     [&](const std::string& what, const char*, double e) { free[what] = e; });
+    visit_errors(
+        errors_of(runs_[k], truth_), shells_of(name),
+        [&](const std::string& what, const char* unit, double e) {
+            summary.add(fmt::format("{}_rmse_{}{}{}", name, what, *unit ? "_" : "", unit), e);
+            if (free.contains(what))
+                summary.add(fmt::format("{}_error_ratio_{}", name, what), e / free.at(what));
+        });
+    add("steps", runs_[k].steps);
+    add("wall_time_s", runs_[k].wall_time);
+    add_properties(summary, name, runs_[k]);
+    if (variants_[k].trajectories.empty()) return;
+    add("measurements_accepted", runs_[k].accepted);
+    add("measurements_refused", runs_[k].refused);
+    if (is_computed(name)) return add("sensors_inconsistent_from", runs_[k].inconsistent_from);
+    add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].boundary_work);
+    add("samples_too_late", runs_[k].too_late);
+    add("corrections_reduced", runs_[k].reduced);
+    add("corrections_withheld", runs_[k].withheld);
+    add("corrections_reduced_by_work", runs_[k].too_costly);
+    add("corrections_withheld_by_work", runs_[k].much_too_costly);
+    if (variants_[k].corrections.filter.lag == 0) return;
+    const SmoothedErrors smoothed = errors_of_smoothed(runs_[k], truth_);
+    add("smoothed_rmse_displacement_sensors_m", smoothed.displacement);
+    add("smoothed_rmse_rotation_sensors_rad", smoothed.rotation);
+    add("smoothed_squared_distance", smoothed.squared_distance);
+}
+
+void TwinExperiment::add_properties(Summary& summary, const std::string& name,
+                                    const ModelRun& run) const {
+    const TriaxialProperties properties = properties_of(run.points, test_.confining_pressure);
+    summary.add(name + "_secant_modulus_E50_Pa", properties.secant_modulus);
+    summary.add(name + "_poisson_ratio_E50", properties.poisson_ratio);
+    summary.add(name + "_peak_friction_angle_deg", properties.peak_friction_angle);
+}
+
+/// Adds the differences between the specimens of model and truth at the start of shearing.
+void TwinExperiment::add_starts(Summary& summary) const {
+    if (!model_) return;
+    const auto put = [&](const std::string& whose, const ModelRun& run) {
+        summary.add(whose + "_core_porosity", run.core_porosity);
+        summary.add(whose + "_coordination_number", run.points.front().coordination);
+    };
+    put("truth", truth_);
+    summary.add("learning_specimen_scatter", learning_.specimen_scatter);
+    const ModelRun* model = first_ ? &first_->runs.front() : nullptr;
+    for (std::size_t k = 0; k < variants_.size(); ++k)
+        if (!is_computed(variants_[k].name) && &specimen_of(variants_[k].name) == &*model_ &&
+            (model == nullptr || variants_[k].name == "free"))
+            model = &runs_[k];
+    if (model == nullptr) return; // no variant runs it
+    put("model", *model);
+    const StartDifference apart = start_difference(*model, truth_);
+    summary.add("model_start_error_sensors_mm", 1e3 * apart.sensor_distance);
+    summary.add("model_start_rotation_error_sensors_rad", apart.sensor_angle);
+    if (t_.mismatch.packing > 0) return; // its other rocks are not those of the truth
+    summary.add("model_start_error_mm", 1e3 * apart.distance);
+    summary.add("model_start_rotation_error_rad", apart.angle);
+}
+
+/// Adds the estimates of a data set. Keys and files carry its name, except for the data set "all".
+void TwinExperiment::add_learned(Summary& summary, const std::string& name,
+                                 const Assimilated& assimilated) const {
+    const std::string whose = name == "all" ? "" : name + "_";
+    const auto& estimates = assimilated.learned.estimates;
+    const Gaussian last =
+        estimates.empty() ? prior_of(t_.model, learning_) : estimates.back().estimate;
+    for (const NamedValue& v : describe(last))
+        summary.add(NamedValue(whose + v.key, std::get<double>(v.value)));
+    summary.add(whose + "learned_squared_distance_of_truth",
+                squared_distance(last, logarithms_of({test_.friction, 1})));
+    summary.add(whose + "learning_wall_time_s", assimilated.wall);
+    summary.add(whose + "learning_outlying_displacements", assimilated.outliers);
+    for (const auto& [what, scatter] :
+         {std::pair{"displacements", &assimilated.scatter.displacement},
+          std::pair{"rotations", &assimilated.scatter.rotation}}) {
+        if (scatter->correlation.length <= 0) continue;
+        summary.add(fmt::format("{}correlation_of_{}", whose, what), scatter->correlation.near);
+        summary.add(fmt::format("{}correlation_of_{}_length_m", whose, what),
+                    scatter->correlation.length);
+    }
+    const std::string file = name == "all" ? "" : "_" + name;
+    write_estimates(common_.out / fmt::format("learned{}.csv", file), estimates);
+    write_members(common_.out / fmt::format("members{}.csv", file), assimilated.learned.second);
+}
+
+/// Writes the smoothed trajectories of the sensor rocks.
+void TwinExperiment::write_smoothed() const {
+    for (std::size_t k = 0; k < variants_.size(); ++k) {
+        std::vector<std::vector<double>> rows;
+        for (std::size_t rock = 0; rock < runs_[k].smoothed.size(); ++rock)
+            for (const SmoothedPose& p : runs_[k].smoothed[rock]) {
+                const Vec3 u = p.position - runs_[k].start[rock].position,
+                           turn = attitude_error(p.attitude, runs_[k].start[rock].orientation);
+                rows.push_back({static_cast<double>(rock + 1), p.time, u.x(), u.y(), u.z(),
+                                turn.x(), turn.y(), turn.z(), p.position_deviation.norm(),
+                                p.attitude_deviation.norm()});
+            }
+        if (!rows.empty())
+            write_csv(common_.out / fmt::format("smoothed_{}.csv", variants_[k].name),
+                      {"sensor", "axial_strain", "ux_m", "uy_m", "uz_m", "rotation_x_rad",
+                       "rotation_y_rad", "rotation_z_rad", "deviation_m", "deviation_rad"},
+                      rows, {}, 7);
+    }
+}
+
+void TwinExperiment::draw() const {
+    const auto free = std::ranges::find(names_, "free");
+    const auto first = static_cast<std::size_t>(free - names_.begin());
+    const auto panel = [&](const char* title, double scale, double TriaxialPoint::*value) {
+        // the truth takes the place of the measurements; other variants have colours of their own
+        Plot plot{.title = title,
+                  .x_label = "axial strain (%)",
+                  .y_label = title,
+                  .curves = compared_curves(
+                      {&truth_.points, free != names_.end() ? &runs_[first].points : nullptr},
+                      curves_of(scale, value))};
+        plot.curves.front().label = "truth";
+        for (std::size_t k = 0; k < variants_.size(); ++k)
+            if (variants_[k].name != "free")
+                plot.curves.push_back(curve_of(variants_[k].name, runs_[k].points, scale, value));
+        return plot;
+    };
+    draw_plots(common_.out / "twin.png",
+               {panel("q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress),
+                panel("volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain)});
+}
+
+void TwinExperiment::report() const {
+    Summary summary;
+    const auto free = std::ranges::find(names_, "free");
+    std::optional<TwinErrors> of_free;
+    if (free != names_.end())
+        of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
+    for (std::size_t k = 0; k < variants_.size(); ++k)
+        add_variant(summary, k, of_free ? &*of_free : nullptr);
+    add_properties(summary, "truth", truth_);
+    add_starts(summary);
+    summary.add("sensors_refused", observations_->refused);
+    for (const auto& [name, assimilated] : assimilated_) add_learned(summary, name, assimilated);
+    write_smoothed();
+    for (std::size_t k = 0; k < variants_.size(); ++k)
+        if (!runs_[k].analyses.empty())
+            write_records(common_.out / fmt::format("analyses_{}.csv", variants_[k].name),
+                          runs_[k].analyses, "axial_strain");
+    draw();
+    if (t_.layouts && assimilated_.contains("all") &&
+        !assimilated_.at("all").forecast.points.empty()) {
+        const Assimilated& all_data = assimilated_.at("all");
+        write_layouts(common_.out / "layouts.csv",
+                      try_layouts(truth_, all_data.forecast, all_data.scatter,
+                                  {.position_noise = t_.sensors.position_noise,
+                                   .attitude_noise = t_.sensors.attitude_noise,
+                                   .seed = common_.seed}));
+    }
+    report_results(common_, summary);
+}
+
+} // namespace bris

@@ -1,0 +1,134 @@
+#pragma once
+
+#include "scenarios/assimilation/learning.hpp"
+#include "scenarios/assimilation/model_run.hpp"
+#include "scenarios/assimilation/model_specimen.hpp"
+#include "scenarios/assimilation/twin.hpp"
+#include "scenarios/triaxial/triaxial.hpp"
+#include "systems/fusion/sensor_filter.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace bris {
+
+/// Settings of a twin experiment: the true test, what the model has otherwise, the variants of the
+/// model that are compared, and the sensors of the truth.
+struct TwinSettings {
+    Triaxial triaxial;
+    RockParameters model{0.5, 1};
+    ModelMismatch mismatch;
+    std::string variants = "free,perturbed,learned,ensemble,analysis";
+    std::filesystem::path record;
+    std::string record_format = "csv";
+    double disturbance = 1e-7, change = 0.03, sample_delay = 0;
+    SensorSettings sensors;
+    bool catch_up = true, layouts = false;
+    Learning learning;
+    Corrections corrections;
+    std::string filter = "corrected";
+
+    TwinSettings() {
+        triaxial.confining_pressure = {55e3};
+        triaxial.test.final_axial_strain = 0.025;
+        corrections.nudging = {5e6, 100, 0.01}; // force of about the contact forces at 55 kPa
+        corrections.largest_shift = 1e-6;
+        corrections.largest_work_share = 0.005;
+        learning.specimen_scatter = -1;
+    }
+    void describe(auto& option) {
+        option.group("TwinSettings experiment");
+        option(
+            "variants", variants, "",
+            "Variants of the model, separated by commas. none: run the truth only. free: no "
+            "assimilation. perturbed: the true parameters from a disturbed start. inserted: "
+            "direct insertion of the sensor rocks' poses, as in the SmartRock report. spread: "
+            "direct insertion that also moves all other rocks. nudged: sensor rocks nudged by "
+            "springs of bounded force. learned: estimated friction and stiffness. both: learned "
+            "and nudged. ensemble: forecast of the ensemble members that learned. load_cell, "
+            "sensors_only: the same, learned without the sensors or from them alone. analysis: "
+            "ensemble, with the recordings of the sensors extended to all rocks. null: analysis "
+            "with q of this specimen and sensors of another, which should bring no improvement.");
+        option("model_friction", model.friction, "",
+               "Friction coefficient between rocks in the model. The true one is --friction.",
+               above(0, 100));
+        option("model_stiffness", model.stiffness, "",
+               "Contact stiffness in the model, relative to the true one.", above(0, 1e6));
+        mismatch.describe(option);
+        option("disturbance", disturbance, "m",
+               "Random displacement of every rock at the start of the perturbed run.",
+               within(0, 1));
+        learning.describe(option);
+        option("change", change, "",
+               "Relative change of the estimated friction or stiffness from which the model takes "
+               "over the new estimate.",
+               above(0, 10));
+        option("catch_up", catch_up, "",
+               "Restart the model from the specimen with each new estimate. false: continue from "
+               "the model's present state.");
+        option("layouts", layouts, "",
+               "Try other layouts of sensor rocks (how many, which ones, how often they are "
+               "sampled) and write the error that remains in rocks without sensors (layouts.csv).");
+        option("record", record, "",
+               "Folder for the recordings of the truth's sensors, in the form that smart_triaxial "
+               "reads. Empty: no recordings are written.");
+        option("record_format", record_format, "", "Format of these recordings.", {"csv", "hdf5"});
+        option("filter", filter, "",
+               "Filter that turns recordings into corrections. printed: as printed in the "
+               "SmartRock report. corrected: the same filter without its errors, as an error-state "
+               "filter.",
+               filter_names);
+        option("sensor_mode", sensors.mode, "",
+               "Observations by the sensors. ideal: displacement and attitude without error. "
+               "tracked: displacement and attitude with noise. inertial: an inertial sensor with "
+               "quality control, which observes tilt only.",
+               sensor_modes);
+        option("imu", sensors.imu, "",
+               "Model of the inertial sensor for inertial and for --record.",
+               {"lab-grade", "smartrock-like", "cheap"});
+        option("interval", sensors.interval, "", "Axial strain between samples.", above(0, 1));
+        option("injection_steps", corrections.injection_steps, "",
+               "Number of time steps over which a correction is applied. 1: at once, as in the "
+               "SmartRock report.",
+               within(1, 1e6));
+        option("largest_shift", corrections.largest_shift, "m",
+               "Largest displacement of a sensor rock by direct insertion in a time step. 0: no "
+               "limit.",
+               within(0, 1));
+        option("largest_work_share", corrections.largest_work_share, "",
+               "Largest work of the corrections from one analysis to the next, relative to the "
+               "work of platens and membrane. Corrections that cost more are reduced or refused. "
+               "0: no limit.",
+               within(0, 1));
+        option("nudging_stiffness", corrections.nudging.stiffness, "N/m",
+               "Stiffness of the critically damped springs that nudge sensor rocks.",
+               above(0, 1e15));
+        option("largest_nudging_force", corrections.nudging.largest_force, "N",
+               "Largest force of spring and dashpot together.", within(0, 1e9));
+        option("position_noise", sensors.position_noise, "m",
+               "Standard deviation of tracked displacements.", above(0, 1));
+        option("attitude_noise", sensors.attitude_noise, "rad",
+               "Standard deviation of tracked attitudes.", above(0, 10));
+        option("dropout", sensors.faults.dropout, "", "Fraction of samples that are lost.",
+               within(0, 0.99));
+        option("outliers", sensors.faults.outliers, "",
+               "Fraction of samples that are wrong by 20 mm and half a radian.", within(0, 0.99));
+        option("sample_delay", sample_delay, "", "Axial strain by which samples arrive late.",
+               within(0, 1));
+        option("lag", corrections.filter.lag, "",
+               "Number of samples by which late ones may lag behind and still be used for an "
+               "inserted or nudged sensor rock. 0: late samples are refused.",
+               within(0, 1e6));
+        option("drift", corrections.filter.drift, "m2",
+               "Variance of the model's displacement error that accumulates in a unit of axial "
+               "strain.",
+               within(0, 1e6));
+        option("turning", corrections.filter.turning, "rad2",
+               "Variance of the model's rotation error that accumulates in a unit of axial "
+               "strain.",
+               within(0, 1e6));
+        triaxial.describe(option);
+    }
+};
+
+} // namespace bris
