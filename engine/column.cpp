@@ -100,8 +100,12 @@ void Column::reserve(std::size_t rows) {
     const std::size_t wanted = rows + rows / 2 + 64;
     Block bigger(wanted * type_.value_size, rows * type_.value_size);
     if (size_ > 0) std::memcpy(bigger.data, bytes(), size_ * type_.value_size);
-    block_ = std::move(bigger);
     capacity_ = wanted;
+    use(std::move(bigger));
+}
+
+void Column::use(Block block) {
+    block_ = std::move(block);
     written_ = block_.mapped > 0 ? size_ : capacity_;
 }
 
@@ -130,8 +134,7 @@ void Column::permute(std::span<const Row> new_to_old) {
                        std::memcpy(moved.data + row * width, bytes() + new_to_old[row] * width,
                                    width);
                });
-    block_ = std::move(moved);
-    written_ = block_.mapped > 0 ? size_ : capacity_;
+    use(std::move(moved));
 }
 
 } // namespace bris

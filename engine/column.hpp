@@ -78,6 +78,8 @@ private:
         std::size_t mapped = 0; ///< bytes that were mapped, and were zero then; 0: others
     };
     void reserve(std::size_t rows);
+    /// Replaces the block by one that holds the values of all rows.
+    void use(Block block);
 
     Type type_;
     Block block_;

@@ -1,9 +1,9 @@
 #include "engine/state.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/ordering.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace bris {
 
@@ -30,8 +30,7 @@ bool key_less(const Column& key, Row a, Row b) {
 }
 
 std::vector<Row> rows_to_save(const Table& table, const Column& key) {
-    std::vector<Row> rows(table.size());
-    std::iota(rows.begin(), rows.end(), Row{0});
+    std::vector<Row> rows = all_rows(table.size());
     // a row is left out only if none of its sparse columns has content
     std::vector<const Column*> sparse;
     for (const auto& column : table.columns())

@@ -3,6 +3,7 @@
 // two balls in a head-on collision, two in an oblique collision, and many balls.
 #include "scenarios/verification/collide.hpp"
 
+#include "engine/choice.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/scenario.hpp"
@@ -105,7 +106,7 @@ void run(const CollideSettings& settings, const Common& common) {
     s.material = settings.material.material;
     s.material.friction = settings.friction;
     s.material.restitution = settings.restitution;
-    s.filter.kind = filter_named(settings.filter);
+    s.filter.kind = named<FilterKind>(filter_names, settings.filter);
     s.seed = common.seed;
     const CollideResult r = run_experiment(s);
     std::vector<std::vector<double>> rows;

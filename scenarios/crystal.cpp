@@ -2,6 +2,7 @@
 // its lattice.
 #include "scenarios/verification/crystal.hpp"
 
+#include "engine/choice.hpp"
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"

@@ -1,5 +1,6 @@
 // One impact of a sphere on a sphere or a surface, compared with the closed form of Hertz or of the
 // linear spring.
+#include "engine/choice.hpp"
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"

@@ -1,5 +1,6 @@
 #include "scenarios/assimilation/twin_experiment.hpp"
 
+#include "engine/choice.hpp"
 #include "engine/random.hpp"
 #include "engine/stopwatch.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
@@ -43,7 +44,7 @@ std::string TwinExperiment::data_set_of(const std::string& variant) const {
 
 ModelVariant TwinExperiment::variant_of(const std::string& name) const {
     ModelVariant variant{.name = name, .rocks = t_.model, .corrections = t_.corrections};
-    variant.corrections.filter.kind = filter_named(t_.filter);
+    variant.corrections.filter.kind = named<FilterKind>(filter_names, t_.filter);
     if (name == "perturbed") {
         variant.rocks = {test_.friction, 1};
         variant.disturbance = t_.disturbance;

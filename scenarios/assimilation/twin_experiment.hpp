@@ -42,15 +42,13 @@ private:
     const PreparedSpecimen& specimen_of(const std::string& variant) const {
         return model_ && variant != "truth" && variant != "perturbed" ? *model_ : true_;
     }
-    /// Number of shells whose errors are reported. In another packing only the sensor rocks have
-    /// the positions of the truth.
-    std::size_t shells_of(const std::string& variant) const {
-        return t_.mismatch.packing > 0 && variant != "perturbed" ? 1 : shells;
-    }
     std::vector<ModelRun> run_all(const std::vector<ModelVariant>& variants, double strain);
     ModelRun run_another();
 
     // results
+    /// Number of groups of rocks whose errors are reported: the sensor rocks and shells about them.
+    /// In another packing only the sensor rocks have the positions of the truth.
+    std::size_t shells_of(const std::string& variant) const;
     void add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
     void add_properties(Summary& summary, const std::string& name, const ModelRun& run) const;
     void add_starts(Summary& summary) const;
@@ -58,8 +56,6 @@ private:
                      const Assimilated& assimilated) const;
     void write_smoothed() const;
     void draw() const;
-
-    static constexpr std::size_t shells = 5; ///< the sensor rocks and four shells about them
 
     const TwinSettings& t_;
     const Common& common_;

@@ -35,6 +35,10 @@ void visit_errors(const TwinErrors& e, std::size_t shells, auto&& visit) {
 
 } // namespace
 
+std::size_t TwinExperiment::shells_of(const std::string& variant) const {
+    return t_.mismatch.packing > 0 && variant != "perturbed" ? 1 : shell_names.size();
+}
+
 void TwinExperiment::add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
     const std::string& name = variants_[k].name;
     const auto add = [&](const char* what, const auto& value) {

@@ -1,4 +1,5 @@
 // S1: results have the same bits with any number of threads, any skin and any order of the rows.
+#include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
@@ -7,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 #include <thread>
 
 namespace bris {
@@ -17,8 +17,7 @@ namespace {
 /// Shuffles the rows of the bodies, and those of their spheres in the same way.
 void shuffle_rows(World& world, std::uint64_t seed) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
-    std::vector<Row> order(bodies.size());
-    std::iota(order.begin(), order.end(), Row{0});
+    std::vector<Row> order = all_rows(bodies.size());
     Random random(seed, 11);
     for (std::size_t k = order.size(); k > 1; --k)
         std::swap(order[k - 1], order[random.bits() % k]);

@@ -1,22 +1,9 @@
 #include "scenarios/verification/names.hpp"
 
-#include "engine/errors.hpp"
+#include "engine/choice.hpp"
 #include "scenarios/specimens/bench.hpp"
 
-#include <algorithm>
-
 namespace bris {
-
-template <class Enumeration>
-Enumeration named(const std::vector<std::string>& names, const std::string& word) {
-    const auto found = std::find(names.begin(), names.end(), word);
-    require(found != names.end(), "expected a known name, found \"" + word + "\"");
-    return static_cast<Enumeration>(found - names.begin());
-}
-template Tension named(const std::vector<std::string>&, const std::string&);
-template ShearHistory named(const std::vector<std::string>&, const std::string&);
-template Target named(const std::vector<std::string>&, const std::string&);
-template Lattice named(const std::vector<std::string>&, const std::string&);
 
 std::vector<std::string> law_choices() {
     auto names = law_names();

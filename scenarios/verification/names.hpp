@@ -19,14 +19,6 @@ inline const std::vector<std::string> shear_history_names{"rescaled", "increment
 inline const std::vector<std::string> target_names{"sphere", "plane", "facet", "edge", "vertex"};
 inline const std::vector<std::string> lattice_names{"sc", "bcc", "fcc"};
 
-/// The value that a name stands for. Throws InputError if there is none.
-template <class Enumeration>
-Enumeration named(const std::vector<std::string>& names, const std::string& word);
-extern template Tension named(const std::vector<std::string>&, const std::string&);
-extern template ShearHistory named(const std::vector<std::string>&, const std::string&);
-extern template Target named(const std::vector<std::string>&, const std::string&);
-extern template Lattice named(const std::vector<std::string>&, const std::string&);
-
 /// Names of the laws whose coefficients materials alone state: choices of an option where pairs of
 /// materials have none of their own.
 std::vector<std::string> law_choices();

@@ -1,11 +1,9 @@
 #include "systems/fusion/sensor_filter.hpp"
 
-#include "engine/errors.hpp"
 #include "engine/estimation/chi_squared.hpp"
 #include "engine/estimation/constant_velocity.hpp"
 #include "engine/signal/attitude.hpp"
 
-#include <algorithm>
 #include <limits>
 
 namespace bris {
@@ -20,13 +18,6 @@ Mat3 square(double deviation) { return deviation * deviation * Mat3::Identity();
 bool is_unit(const auto& v) { return std::abs(v.norm() - 1) < 1e-3; }
 
 } // namespace
-
-FilterKind filter_named(const std::string& name) {
-    const auto found = std::ranges::find(filter_names, name);
-    require(found != filter_names.end(),
-            "expected a filter, printed or corrected, found \"" + name + "\"");
-    return static_cast<FilterKind>(found - filter_names.begin());
-}
 
 Measured::Measured()
     : position(Vec3::Constant(unknown)), velocity(position), angular_velocity(position),

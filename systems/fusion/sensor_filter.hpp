@@ -19,8 +19,6 @@ enum class FilterKind : std::uint32_t {
     corrected
 };
 inline const std::vector<std::string> filter_names{"printed", "corrected"};
-/// The filter of one of these names. Throws InputError if there is none.
-FilterKind filter_named(const std::string& name);
 
 struct FilterSettings {
     FilterKind kind = FilterKind::corrected;
