@@ -166,6 +166,8 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
     for (std::size_t k = 0; k < sensors.size(); ++k) {
         add_sensor(summary, "", sensors[k].name, recordings[k]);
         add_sensor(summary, "exact_", sensors[k].name, exact[k]);
+        summary.add(fmt::format("height_{}_m", sensors[k].name),
+                    world.column<Bodies, Position>()[row_of_body(world, sensors[k].body)].z());
     }
     summary.add("time_step_s", world.resource<Clock>().dt);
     summary.add("stable_step_s", last.stable_step());
@@ -187,7 +189,8 @@ void run(const TrackPassage& t, const Common& common) {
     if (common.resume.filename() == "bed.ckpt.h5") { // the finished bed serves any train and state
         may_differ = settings_of_state(common);
         may_differ.insert(may_differ.end(),
-                          {"passages", "train", "speed_m_per_s", "gap_m", "restitution"});
+                          {"passages", "train", "speed_m_per_s", "gap_m", "restitution",
+                           "sensor_density_kg_per_m3", "sensor_friction"});
     }
     resume_box(run, simulation, t.box, common, may_differ);
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,

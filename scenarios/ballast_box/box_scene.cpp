@@ -194,8 +194,8 @@ void plan_rocks(const BallastBox& box, const BoxSizes& s, BoxBodies& bodies, Ent
 }
 
 /// Sensor rocks where the report has them: two (cubes) under the rail seat, and (angular) ones
-/// under the middle and the end of a tie and, with two ties, between them; 5 and 25 cm below the
-/// ties.
+/// under the middle and the end of a tie and between two ties (in a bay beside its mirror side,
+/// which is there); 5 and 25 cm below the ties. A slice has none between ties.
 void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
                  const std::vector<Clump>& library, std::uint64_t seed) {
     struct Site {
@@ -208,6 +208,7 @@ void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
                             {"middle", tie, s.middle > 0 ? s.middle : 0.06},
                             {"end", tie, s.tie_end() - 0.03}};
     if (s.ties.size() > 1) sites.push_back({"between", s.width / 2, seat});
+    if (box.is_bay()) sites.push_back({"between", 0, seat});
     for (const Site& site : sites)
         for (const std::size_t course : {std::size_t{0}, std::size_t{2}}) {
             const Clump& shape = shapes[bodies.sensors.size() / 2 % shapes.size()];
@@ -217,7 +218,7 @@ void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
             const EntityId id =
                 add_clump(world, rock, static_cast<std::uint32_t>(in_library - library.begin()),
                           Vec3(0.2 * number, -1, parked + 3),
-                          Random(seed, 6000 + bodies.sensors.size()).rotation(), bodies.rock);
+                          Random(seed, 6000 + bodies.sensors.size()).rotation(), bodies.shell);
             value_of<MotionOf>(world, id) = static_cast<std::uint32_t>(Motion::fixed);
             bodies.sensors.push_back({fmt::format("{}_{}", site.name, course == 0 ? "25cm" : "5cm"),
                                       id, Vec3(site.x, site.y, 0), course});
@@ -250,6 +251,11 @@ World make_box_world(const BallastBox& box, std::uint64_t seed) {
     side.name = "mirror";
     side.restitution = rock.restitution;
     const auto mirror = materials.add(side);
+    bodies.shell = bodies.rock;
+    if (box.is_bay()) {
+        rock.name = "shell";
+        bodies.shell = materials.add(rock);
+    }
     bodies.hard = materials.list;
 
     add_subgrade(world, box, s, bodies, hard);

@@ -41,9 +41,10 @@ struct BoxBodies {
     std::vector<EntityId> ties, subgrade;
     EntityId bladder = nobody;
     std::array<std::vector<CompactionPlate>, 2> plates; ///< for the first lift, for the others
-    std::uint32_t rock = 0;                             ///< material
-    std::vector<Material> hard;                         ///< materials at full stiffness
-    double solid_volume = 0;                            ///< m3, of all rocks
+    std::uint32_t rock = 0,
+                  shell = 0;       ///< materials of rocks and, in a bay another, of sensor rocks
+    std::vector<Material> hard;    ///< materials at full stiffness
+    double solid_volume = 0;       ///< m3, of all rocks
     double truncated_fraction = 0; ///< mass fraction of the grading that is left out
 };
 

@@ -26,6 +26,7 @@ struct BallastBox {
     std::string material = "limestone", grading = "arema_3";
     std::filesystem::path clumps = {};
     std::string sensor_shape = "cube,rock_01,rock_02,rock_03";
+    double sensor_density = 0, sensor_friction = -1; ///< of a bay; 0, below 0: as the rocks
     double friction_factor = 1, stiffness_factor = 1, restitution = 0;
     double subgrade_modulus = 200e6, subgrade_damping = 0.2, series_compliance = 0;
     double rail_bending = 1.58e7, tie_support = 3e7;

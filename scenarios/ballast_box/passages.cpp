@@ -5,6 +5,7 @@
 #include "engine/errors.hpp"
 #include "scenarios/ballast_box/box_balance.hpp"
 #include "scenarios/ballast_box/hanging_tie.hpp"
+#include "scenarios/ballast_box/shells.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/output/quantities.hpp"
@@ -68,6 +69,7 @@ Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& tr
                 },
             .begin =
                 [=, &test, hangs = settings.gap > 0 && number > 0](Simulation& s) {
+                    if (number > 0) change_shells(s.world(), settings.box);
                     const double weight = weight_of_tie(s.world()) / test.sizes().share;
                     test.begin_passage(
                         s.world(), hangs ? passing_load_of_hanging_tie(train, speed, rails, weight)

@@ -83,6 +83,13 @@ void TrackPassage::describe(auto& option) {
            {"I.2", "I.4", "II.2", "II.3", "II.4"});
     option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));
     box.describe_ballast(option);
+    option("sensor_density", box.sensor_density, "kg/m3",
+           "Density of the sensor rocks in the finished bed; 0: that of the rocks.",
+           within(0, 1e6).usually(100, 1e4));
+    option("sensor_friction", box.sensor_friction, "",
+           "Coulomb friction coefficient of the shells of the sensor rocks in the finished bed; "
+           "between a shell and a rock the lower coefficient acts. Below 0: that of the rocks.",
+           within(-1, 100));
     option.group("Track");
     box.describe_track(option);
     option.group("Simulation");

@@ -21,9 +21,9 @@ void lay_sensors(World& world, std::size_t course) {
     for (const BoxSensor& s : sensors) {
         if (course == 0 || s.course + 1 != course) continue;
         const double radius = value_of<BoundingRadius>(world, s.body),
-                     y = std::max(s.place.y(), radius);
-        const double height = surface_height(world, s.place.x(), y, radius, 0);
-        release(world, s.body, Vec3(s.place.x(), y, height + radius));
+                     x = std::max(s.place.x(), radius), y = std::max(s.place.y(), radius);
+        const double height = surface_height(world, x, y, radius, 0);
+        release(world, s.body, Vec3(x, y, height + radius));
     }
 }
 

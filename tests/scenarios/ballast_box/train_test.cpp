@@ -2,6 +2,7 @@
 #include "scenarios/ballast_box/box_scene.hpp"
 #include "scenarios/ballast_box/hanging_tie.hpp"
 #include "scenarios/ballast_box/rail.hpp"
+#include "scenarios/ballast_box/shells.hpp"
 #include "scenarios/ballast_box/train.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/specimens/start.hpp"
@@ -89,6 +90,32 @@ TEST_SUITE("ballast_box") {
             stiffness * deflection;
         simulation.advance(40'000);
         CHECK(value_of<Position>(simulation, tie).z() == about(1.502 - deflection).epsilon(guides));
+    }
+
+    TEST_CASE("shells give sensor rocks their density and friction once, and leave all other rocks "
+              "as they were") {
+        const BallastBox box{
+            .model = "bay", .rock_scale = 2.5, .sensor_density = 1200, .sensor_friction = 0.3};
+        World world = make_box_world(box, 1);
+        const auto& bodies = world.resource<BoxBodies>();
+        const auto& materials = world.resource<Materials>();
+        const double of_rocks = materials.list[bodies.rock].density;
+        const EntityId sensor = bodies.sensors.front().body, rock = bodies.rocks[0].front();
+        REQUIRE(materials.list[bodies.shell].density == of_rocks);
+        const double mass = value_of<Mass>(world, sensor), other = value_of<Mass>(world, rock);
+        const Vec3 inertia = value_of<Inertia>(world, sensor);
+        for (int times = 0; times < 2; ++times) {
+            change_shells(world, box);
+            set_materials(world);
+            CHECK(value_of<Mass>(world, sensor) == about(mass * 1200 / of_rocks));
+            CHECK(value_of<InertialMass>(world, sensor) == value_of<Mass>(world, sensor));
+            CHECK(value_of<Inertia>(world, sensor).z() == about(inertia.z() * 1200 / of_rocks));
+            CHECK(value_of<InertialInertia>(world, sensor) == value_of<Inertia>(world, sensor));
+            CHECK(materials.list[bodies.shell].friction == 0.3);
+            CHECK(value_of<Mass>(world, rock) == other);
+            CHECK(materials.list[bodies.rock].friction == bodies.hard[bodies.rock].friction);
+        }
+        CHECK(bodies.sensors.size() == 8);
     }
 
     TEST_CASE("the impulse of a passing train on a tie is its weight times the spacing over the "
