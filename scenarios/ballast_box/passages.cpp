@@ -97,6 +97,21 @@ Phase hang_up(const BoxTestRun& test, const TrackPassage& settings) {
                 }};
 }
 
+/// A step, after which the contacts of a bed that was read from a file are known: the time step of
+/// a passage follows from them.
+Phase find_contacts() {
+    return {.advance =
+                [](Simulation& s) {
+                    s.advance(1);
+                    return false;
+                },
+            .progress =
+                [](const World&) {
+                    return PhaseProgress{"find the contacts", 0, ""};
+                },
+            .begin = nullptr};
+}
+
 } // namespace
 
 std::vector<RunFile::Column> passage_columns() {
@@ -117,6 +132,7 @@ std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
     phases.push_back(std::move(save));
     for (Phase& phase : test.changes_in_use()) phases.push_back(std::move(phase));
     if (settings.gap > 0) phases.push_back(hang_up(test, settings));
+    phases.push_back(find_contacts());
     for (unsigned number = 1; number <= settings.passages; ++number)
         phases.push_back(
             pass(test, settings, train, settings.train_speed(), number, samples, actions, run));
