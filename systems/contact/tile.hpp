@@ -146,9 +146,18 @@ private:
     }
 };
 
+/// Whether the near rows have the coefficients of the same pair of materials, as most tiles do.
+[[gnu::always_inline]] inline bool have_one_law(const TileTarget& to, const Row* rows) {
+    if (to.one_law) return true;
+    const Row first = to.near[rows[0]].law;
+    Row different = 0;
+    for (int q = 1; q < lane_count; ++q) different |= to.near[rows[q]].law ^ first;
+    return different == 0;
+}
+
 [[gnu::always_inline]] inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
-    if (to.one_law) {
-        const LawRow& k = to.laws[0];
+    if (have_one_law(to, rows)) {
+        const LawRow& k = to.laws[to.one_law ? 0 : to.near[rows[0]].law];
         return {lanes(k.kn),          lanes(k.ks),         lanes(k.friction),
                 lanes(k.normal_rate), lanes(k.shear_rate), lanes(k.normal_ratio),
                 lanes(k.shear_ratio)};

@@ -61,7 +61,7 @@ struct PassageRun {
 
 } // namespace
 
-TEST_SUITE("passages") {
+TEST_SUITE("ballast_box/passages") {
     TEST_CASE(
         "a passage over a bed that is read from a file has the same bits as over the bed as it "
         "was made, and other shells have a time step of their own") {
