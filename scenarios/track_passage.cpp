@@ -190,7 +190,7 @@ void run(const TrackPassage& t, const Common& common) {
         may_differ = settings_of_state(common);
         may_differ.insert(may_differ.end(),
                           {"passages", "train", "speed_m_per_s", "gap_m", "restitution",
-                           "sensor_density_kg_per_m3", "sensor_friction"});
+                           "step_fraction", "sensor_density_kg_per_m3", "sensor_friction"});
     }
     resume_box(run, simulation, t.box, common, may_differ);
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,
