@@ -108,8 +108,7 @@ Phase find_contacts() {
             .progress =
                 [](const World&) {
                     return PhaseProgress{"find the contacts", 0, ""};
-                },
-            .begin = nullptr};
+                }};
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/ballast_box/train.hpp"
 #include "tests/about.hpp"
+#include "tests/quiet_run.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -20,19 +21,11 @@ TrackPassage fast_locomotive() {
     return t;
 }
 
-Common quiet_in(const std::filesystem::path& out) {
-    Common common;
-    common.scenario = "track_passage";
-    common.out = out;
-    common.threads = 1;
-    common.quiet = true;
-    return common;
-}
-
 /// A train over the bed, which is made or read from a file.
 struct PassageRun {
     explicit PassageRun(const TrackPassage& passage, const std::filesystem::path& out)
-        : settings(passage), train(train_named(passage.train)), common(quiet_in(out)),
+        : settings(passage), train(train_named(passage.train)),
+          common(bris::testing::quiet_run("track_passage", out)),
           simulation(make_box_simulation(passage.box, common)),
           test(simulation, passage.box, common.seed), run(simulation, common, "track_passage"),
           samples("passages", passage_columns()), actions{.frame = [] {},

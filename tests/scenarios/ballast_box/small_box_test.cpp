@@ -7,6 +7,7 @@
 #include "scenarios/specimens/start.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/about.hpp"
+#include "tests/quiet_run.hpp"
 #include "tests/support.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -32,23 +33,14 @@ BallastBox small_box(const char* name) {
     return box;
 }
 
-Common quiet_in(const std::filesystem::path& out) {
-    Common common;
-    common.scenario = "ballast_box";
-    common.out = out;
-    common.threads = 1;
-    common.quiet = true;
-    return common;
-}
-
 /// A run whose phases are those of the making of the bed, or those after it.
 class SmallRun {
 public:
     SmallRun(const BallastBox& box, unsigned threads, const std::filesystem::path& out)
         : simulation(
               start(make_box_world(box, 1), {.law = LawName::linear_viscous, .threads = threads})),
-          test(simulation, box, 1), common(quiet_in(out)), run(simulation, common, "ballast_box"),
-          samples("box", cycle_columns()) {
+          test(simulation, box, 1), common(bris::testing::quiet_run("ballast_box", out)),
+          run(simulation, common, "ballast_box"), samples("box", cycle_columns()) {
         run.keep(samples);
     }
     const World& world() const { return simulation.world(); }

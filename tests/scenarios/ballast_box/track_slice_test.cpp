@@ -2,6 +2,7 @@
 #include "engine/io/checkpoint.hpp"
 #include "scenarios/ballast_box/track_slice.hpp"
 #include "tests/about.hpp"
+#include "tests/quiet_run.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -28,11 +29,7 @@ Train two_bogies(double load) {
 PassageRecord run(const std::filesystem::path& out, const std::vector<Train>& trains,
                   const std::filesystem::path& from = {}) {
     std::filesystem::create_directories(out);
-    Common common;
-    common.scenario = "forecast";
-    common.out = out;
-    common.threads = 1;
-    common.quiet = true;
+    const Common common = bris::testing::quiet_run("forecast", out);
     return run_trains(small_slice(), trains, common, "slice", from, {},
                       [](const PhaseProgress&) {});
 }

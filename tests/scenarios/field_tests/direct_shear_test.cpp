@@ -10,6 +10,7 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/fields/fouling.hpp"
 #include "tests/about.hpp"
+#include "tests/quiet_run.hpp"
 #include "tests/support.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -24,20 +25,12 @@ using namespace bris::testing;
 
 namespace {
 
-Common quiet_in(const std::filesystem::path& out) {
-    Common common;
-    common.scenario = "direct_shear";
-    common.out = out;
-    common.threads = 1;
-    common.quiet = true;
-    return common;
-}
-
 /// A test of a box that is made already.
 struct ShearedBox {
     ShearedBox(const ShearBox& settings, const ShearTest& of, auto&& make,
                const std::filesystem::path& out)
-        : box(settings), test(of), simulation(make()), common(quiet_in(out)),
+        : box(settings), test(of), simulation(make()),
+          common(bris::testing::quiet_run("direct_shear", out)),
           run(simulation, common, "direct_shear"), curve("shear", shear_columns()) {
         run.keep(curve);
     }
@@ -149,7 +142,7 @@ TEST_SUITE("direct_shear") {
             return [&box, threads] { return make_shear_box(box, 1, threads, false); };
         };
         Simulation bed = fresh(1)();
-        Run making(bed, quiet_in(folder.path()), "specimen");
+        Run making(bed, bris::testing::quiet_run("direct_shear", folder.path()), "specimen");
         making.go(make_bed_phases());
         const Archive made = bed.snapshot();
         CHECK(std::as_const(bed).world().resource<RockBedState>().porosity ==
