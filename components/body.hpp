@@ -143,14 +143,14 @@ struct alignas(64) MotionRow {
 struct alignas(32) CentreRow {
     double x, y, z, unused;
 };
-/// Increments of velocity and angular velocity from the middle of the last step to its end, which
-/// only dashpots need.
+/// What only dashpots need: the acceleration in the last step, which gives the velocity at its end,
+/// and the increment of the angular velocity from its middle to its end.
 struct alignas(64) KickRow {
-    double vx, vy, vz, unused, omega_x, omega_y, omega_z, unused_too;
+    double ax, ay, az, unused, omega_x, omega_y, omega_z, unused_too;
 };
 /// Exists only with contact laws that have dashpots.
 struct Kick : Derived<KickRow> {
-    static constexpr auto name = "kick", unit = "m/s, rad/s";
+    static constexpr auto name = "kick", unit = "m/s2, rad/s";
 };
 struct RigidMotion : Derived<MotionRow> {
     static constexpr auto name = "rigid_motion", unit = "m/s, 1/kg, rad/s";

@@ -61,8 +61,7 @@ struct ListState {
     static constexpr auto name = "list_state";
     bool stale = true; ///< entities or State were changed from outside the step
     bool velocities_changed =
-        false;                ///< velocities were changed and contacts have not read them yet
-    double step_of_kicks = 0; ///< s, time step for which contacts read the motion of the bodies
+        false; ///< velocities were changed and contacts have not read them yet
     std::uint64_t rebuilds = 0, prunes = 0, sorts = 0;
     std::uint64_t last_rebuild = 0, last_prune = 0; ///< step numbers
     std::uint64_t prunes_at_rebuild = 0;
@@ -79,6 +78,19 @@ struct ListState {
 struct Observation {
     static constexpr auto name = "observation";
     bool due = true;
+};
+
+/// Where only contacts read the motion of single spheres from step to step (move_spheres), the
+/// columns Position, Velocity, Acceleration and StepAngularVelocity are written only in steps in
+/// which they are due. Meanwhile ListedPosition, RigidMotion and Kick have the motion.
+struct MotionColumns {
+    static constexpr auto name = "motion_columns";
+    bool due = true;      ///< the present step writes them
+    bool current = true;  ///< they had the motion at the beginning of the present step
+    bool skipped = false; ///< the present step has not written them
+
+    /// Sets skipped; may be called by several threads.
+    void note_skipped() { std::atomic_ref(skipped).store(true, std::memory_order_relaxed); }
 };
 
 /// Limits at which the guard stops the run.

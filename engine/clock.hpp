@@ -19,6 +19,9 @@ struct Clock {
     /// Whether something outside the step may look at the world after the present step, which must
     /// then leave behind what is derived for such readers only. Not saved.
     bool observed = true;
+    /// Whether the State must be complete after the present step, because something other than the
+    /// step may read it. Always with `observed`. Not saved.
+    bool last = true;
 
     double time() const { return block_time + static_cast<double>(step - block_step) * dt; }
     /// Begins a new block with another time step, `new_dt` (s).

@@ -89,7 +89,8 @@ void Simulation::run(World& world, Schedule& schedule, std::uint64_t steps, bool
     (world.rows() < settings_.least_rows ? alone_ : threads_)->run([&] {
         for (std::uint64_t k = 0; k < steps && !health.bad; ++k) {
             if (until != nullptr && until(world)) break;
-            clock.observed = observed && k + 1 == steps;
+            clock.last = k + 1 == steps;
+            clock.observed = observed && clock.last;
             schedule.run(world);
             ++clock.step;
         }

@@ -19,6 +19,8 @@
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps/move_spheres.hpp"
 
+#include <utility>
+
 namespace bris {
 
 namespace {
@@ -32,6 +34,17 @@ System damping_of(bool energy_budget) {
 void note_observation(World& world) {
     world.resource<Observation>().due =
         world.resource<Clock>().observed || (world.has_resource<Replay>() && fusion_is_due(world));
+}
+
+/// Where nothing but contacts reads the motion of the bodies in every step, its columns are needed
+/// only by the lists and after the last step. A new system that reads them in other steps has to be
+/// named here.
+void note_readers_of_motion(World& world) {
+    MotionColumns& columns = world.resource<MotionColumns>();
+    columns.current = !std::exchange(columns.skipped, false);
+    columns.due = world.resource<Clock>().last || world.has_resource<Replay>() ||
+                  world.has_resource<Fouling>() || world.has_resource<Sleep>() ||
+                  world.has_resource<InertialRecorders>() || world.has_resource<Slab>();
 }
 
 /// Contacts are weakened anew when fines, or the candidate pairs, have changed.
@@ -60,6 +73,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
     const StepChoices choices{energy_budget, patch};
     return {
         system("note_observation", note_observation),
+        system("note_readers_of_motion", note_readers_of_motion),
+        when(moved, system("complete_motion", complete_motion)),
         when(fouling_is_due, system("update_fouling", update_fouling)),
         // when lists are due: new lists, then all positions that contacts read
         when(due, system("rebuild_pairs", rebuild_pairs)),
@@ -142,7 +157,9 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("guard_facets", guard_contacts<FacetPairs>),
         system("guard_planes", guard_contacts<PlanePairs>),
         system("guard_membrane", guard_contacts<MembranePairs>),
+        system("complete_motion_in_trouble", complete_motion_in_trouble),
         system("guard_motion", guard_motion),
+        system("complete_motion_in_trouble again", complete_motion_in_trouble),
         // where the world is one rank's part of a whole
         system("review_candidates", review_candidates),
         system("agree_on_lists", agree_on_lists),

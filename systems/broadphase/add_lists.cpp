@@ -83,6 +83,7 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     world.add_resource<BoundarySums>();
     world.add_resource<Census>();
     world.add_resource<Observation>();
+    world.add_resource<MotionColumns>();
 }
 
 } // namespace bris

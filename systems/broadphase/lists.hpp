@@ -16,7 +16,7 @@ namespace bris {
 bool lists_are_due(const World& world);
 
 /// True in steps that begin with an update of the positions and velocities that contacts read: when
-/// the lists are new, or velocities or the time step were changed from outside the step.
+/// the lists are new, or velocities were changed from outside the step.
 bool positions_are_due(const World& world);
 /// Records that contacts read current velocities. It takes the World so that the schedule runs it:
 /// only conditions of systems, not systems, read what it writes.

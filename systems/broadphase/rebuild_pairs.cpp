@@ -82,16 +82,14 @@ bool lists_are_due(const World& world) {
 
 bool positions_are_due(const World& world) {
     const auto& state = world.resource<ListState>();
-    return state.velocities_changed || state.step_of_kicks != world.resource<Clock>().dt ||
-           lists_are_due(world);
+    return state.velocities_changed || lists_are_due(world);
 }
-void note_positions(World& world) {
-    auto& state = world.resource<ListState>();
-    state.velocities_changed = false;
-    state.step_of_kicks = world.resource<Clock>().dt;
-}
+void note_positions(World& world) { world.resource<ListState>().velocities_changed = false; }
 void show_velocities(World& world) { world.resource<ListState>().velocities_changed = true; }
-void invalidate_lists(World& world) { world.resource<ListState>().stale = true; }
+void invalidate_lists(World& world) {
+    world.resource<ListState>().stale = true;
+    world.resource<MotionColumns>() = {}; // what was changed from outside is current
+}
 
 void review_candidates(const Slab&, World& world) {
     auto& state = world.resource<ListState>();

@@ -51,9 +51,12 @@ struct ClumpSpheres : SphereSurfaces {
         const Lane half = 0.5 * c.overlap, arm_a = a[3] - half, arm_b = b[3] - half;
         const Lane px = b[0] + c.nx * arm_b, py = b[1] + c.ny * arm_b, pz = b[2] + c.nz * arm_b;
         if constexpr (Law::has_dashpots) {
-            const auto ka = rows_of(movers.kick, own, &KickRow::vx),
-                       kb = rows_of(movers.kick, other, &KickRow::vx);
-            const auto k = transpose({ka[0] - kb[0], ka[1] - kb[1], ka[2] - kb[2], ka[3] - kb[3]});
+            const auto ka = rows_of(movers.kick, own, &KickRow::ax),
+                       kb = rows_of(movers.kick, other, &KickRow::ax);
+            const Lane to_end = lanes(0.5 * to.step.dt); // of the last step
+            const auto k =
+                transpose({to_end * ka[0] - to_end * kb[0], to_end * ka[1] - to_end * kb[1],
+                           to_end * ka[2] - to_end * kb[2], to_end * ka[3] - to_end * kb[3]});
             const auto ta = transpose(rows_of(movers.kick, own, &KickRow::omega_x)),
                        tb = transpose(rows_of(movers.kick, other, &KickRow::omega_x));
             const Lane cx = px - xa[0], cy = py - xa[1], cz = pz - xa[2];

@@ -83,7 +83,8 @@ struct PlaneGeometry {
             c.ux = u.x, c.uy = u.y, c.uz = u.z;
         }
         if constexpr (Law::has_dashpots) {
-            const Vec3Lanes kick = vector(rows_of(movers.kick, own, &KickRow::vx)),
+            const Vec3Lanes kick =
+                                0.5 * to.step.dt * vector(rows_of(movers.kick, own, &KickRow::ax)),
                             more = vector(rows_of(movers.kick, own, &KickRow::omega_x));
             const Vec3Lanes now = u + kick + cross(more, point - middle);
             c.vx = now.x, c.vy = now.y, c.vz = now.z;

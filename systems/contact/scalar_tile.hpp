@@ -67,7 +67,8 @@ public:
         if constexpr (Law::has_dashpots) {
             const KickRow& kick = movers_.kick[owner];
             const Vec3 more(kick.omega_x, kick.omega_y, kick.omega_z);
-            Vec3 v = u + Vec3(kick.vx, kick.vy, kick.vz) + more.cross(point - middle);
+            Vec3 v = u + 0.5 * to_.step.dt * Vec3(kick.ax, kick.ay, kick.az) +
+                     more.cross(point - middle);
             if (is_free) v -= kick_of(surface, point);
             put(k, velocity_at, v);
         }
@@ -143,7 +144,7 @@ private:
     }
     Vec3 kick_of(const SurfaceAt& surface, const Vec3& point) const {
         const KickRow& m = movers_.kick[surface.free_host];
-        return Vec3(m.vx, m.vy, m.vz) +
+        return 0.5 * to_.step.dt * Vec3(m.ax, m.ay, m.az) +
                Vec3(m.omega_x, m.omega_y, m.omega_z).cross(point - surface.centre);
     }
     void put(std::size_t lane, std::size_t at, const Vec3& v) {

@@ -111,8 +111,13 @@ struct SingleSpheres : SphereSurfaces {
             c.radius = pa[3] * pb[3] / reach;
         }
         if constexpr (Law::has_dashpots) {
-            const auto k = relative(rows_of(movers.kick, own, &KickRow::vx),
-                                    rows_of(movers.kick, other, &KickRow::vx));
+            const Lane to_end = lanes(0.5 * to.step.dt); // of the last step
+            const auto kicks_of = [&](const auto& bodies) {
+                FourLanes kicks = rows_of(movers.kick, bodies, &KickRow::ax);
+                for (Lane& kick : kicks) kick = to_end * kick;
+                return kicks;
+            };
+            const auto k = relative(kicks_of(own), kicks_of(other));
             const auto more = weighted(rows_of(movers.kick, own, &KickRow::omega_x),
                                        rows_of(movers.kick, other, &KickRow::omega_x));
             const Vec3Lanes v =

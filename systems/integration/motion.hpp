@@ -75,12 +75,11 @@ void update_sphere_positions(PositionedSpheres bodies, Rows<Listed, ListedPositi
 /// The same for clumps: the positions of their listed spheres, and their centres.
 void update_clump_positions(PositionedBodies bodies, PositionedBalls listed);
 
-/// Updates what only dashpots read: the velocities at the time of the positions, predicted with the
-/// last acceleration, minus those of the last step. Without this prediction damping would be of
-/// first order in dt.
+/// Updates what only dashpots read: what predicts the velocities at the time of the positions from
+/// those of the last step. Without this prediction damping would be of first order in dt.
 void update_kicks(
-    Rows<Bodies, const Acceleration, const AngularVelocity, const StepAngularVelocity, Kick> bodies,
-    const Clock& clock);
+    Rows<Bodies, const Acceleration, const AngularVelocity, const StepAngularVelocity, Kick>
+        bodies);
 
 /// Upper bound on the displacement of any point of a body since the last prune, in scenes of single
 /// spheres. New lists become due where it exceeds the inner skin.

@@ -145,14 +145,14 @@ void update_sphere_positions(PositionedSpheres bodies, Rows<Listed, ListedPositi
 }
 
 void update_kicks(
-    Rows<Bodies, const Acceleration, const AngularVelocity, const StepAngularVelocity, Kick> bodies,
-    const Clock& clock) {
+    Rows<Bodies, const Acceleration, const AngularVelocity, const StepAngularVelocity, Kick>
+        bodies) {
     const Vec3* acceleration = bodies.column<Acceleration>();
     const Vec3* omega = bodies.column<AngularVelocity>();
     const Vec3* step_omega = bodies.column<StepAngularVelocity>();
     KickRow* kick = bodies.column<Kick>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        store(&kick[b].vx, (0.5 * clock.dt) * quad(acceleration[b]));
+        store(&kick[b].ax, quad(acceleration[b]));
         store(&kick[b].omega_x, quad(omega[b]) - quad(step_omega[b]));
     }
 }

@@ -7,6 +7,9 @@
 #include "systems/guard.hpp"
 #include "systems/slabs/slabs.hpp"
 
+#include <cmath>
+#include <utility>
+
 namespace bris {
 
 namespace {
@@ -24,6 +27,25 @@ struct Settings {
     const Clock& clock;
 };
 
+/// Writes the columns of motion of bodies with spheres from what contacts read of them.
+void write_columns(const MovedSpheres& bodies, const Places& listed) {
+    const SphereRow* sphere = listed.column<ListedPosition>();
+    const MotionRow* motion = bodies.column<RigidMotion>();
+    const KickRow* kick = bodies.column<Kick>();
+    const SphereRun* spheres = bodies.column<SpheresOf>();
+    const Vec3* from = bodies.column<PrunedAt>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        if (spheres[b].count == 0) continue; // a boundary's are always current
+        store(bodies.column<Position>()[b], load(&sphere[b].x));
+        store(bodies.column<Velocity>()[b], load(&motion[b].vx));
+        store(bodies.column<StepAngularVelocity>()[b], load(&motion[b].omega_x));
+        store(bodies.column<Acceleration>()[b], load(&kick[b].ax));
+        const Vec3 gone = bodies.column<Position>()[b] - from[b];
+        bodies.column<DisplacementBound>()[b] =
+            std::sqrt(gone.x() * gone.x() + gone.y() * gone.y() + gone.z() * gone.z());
+    }
+}
+
 /// The combined systems themselves, for groups of rows with a boundary and for incomplete ones.
 void move_bodies(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, ListState& lists, Alarm& alarm) {
@@ -32,7 +54,7 @@ void move_bodies(const MovedSpheres& bodies, const SumRows& sums, const Places& 
     integrate(bodies, s.clock);
     rotate_spheres(bodies, s.clock);
     update_sphere_positions(bodies, listed);
-    update_kicks(bodies, s.clock);
+    update_kicks(bodies);
     bound_displacement(bodies, lists);
     watch_motion(bodies, s.limits, s.clock, s.census, alarm);
 }
@@ -41,13 +63,14 @@ void move_bodies(const MovedSpheres& bodies, const SumRows& sums, const Places& 
 class SphereGroups {
 public:
     SphereGroups(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
-                 const Settings& s, bool observed)
+                 const Settings& s, bool observed, const MotionColumns& columns)
         : bodies_(bodies), sums_(bodies, sums, s.grid, s.census, s.boundaries),
           sphere_(listed.column<ListedPosition>()),
           within_(s.limits, s.clock, s.census), gravity_{lanes(s.gravity.value.x()),
                                                          lanes(s.gravity.value.y()),
                                                          lanes(s.gravity.value.z())},
-          dt_(s.clock.dt), observed_(observed) {}
+          dt_(s.clock.dt), observed_(observed), columns_are_due_(columns.due),
+          columns_are_current_(columns.current) {}
 
     /// Moves the spheres from row `first` on. Sets used_up() and escaped() if one of them calls for
     /// it.
@@ -72,8 +95,19 @@ private:
             put<Force>(rows, net.force);
             put<Torque>(rows, net.torque);
         }
+        SphereRow* sphere = sphere_ + rows.first;
+        MotionRow* motion = bodies_.column<RigidMotion>() + rows.first;
+        const FourLanes place = columns_of([&](int q) { return &sphere[q].x; }),
+                        moving = columns_of([&](int q) { return &motion[q].vx; });
         const Lane mass = number<InertialMass>(rows),
                    inverse_inertia = 1.0 / number<SphereInertia>(rows);
+        Vec3Lanes from = vector_of(place), velocity = vector_of(moving);
+        Lane inverse_mass = moving[3];
+        if (columns_are_current_) { // somebody may have changed them from outside the step
+            from = vector<Position>(rows);
+            velocity = vector<Velocity>(rows);
+            inverse_mass = free ? 1.0 / mass : Lane{};
+        }
         // without branches where all are free
         const auto chosen = [&](const Vec3Lanes& moved, auto&& driven) {
             if constexpr (all_free)
@@ -83,26 +117,36 @@ private:
         };
         const Vec3Lanes a = chosen({net.force.x / mass, net.force.y / mass, net.force.z / mass},
                                    [] { return Vec3Lanes{}; }),
-                        v = chosen(vector<Velocity>(rows) + dt_ * a,
-                                   [&] { return vector<DriveVelocity>(rows); }),
-                        x = vector<Position>(rows) + dt_ * v,
-                        before = vector<AngularMomentum>(rows), after = before + dt_ * net.torque,
+                        v = chosen(velocity + dt_ * a, [&] { return vector<DriveVelocity>(rows); }),
+                        x = from + dt_ * v, before = vector<AngularMomentum>(rows),
+                        after = before + dt_ * net.torque,
                         momentum = chosen(after, [&] { return before; }),
                         omega = chosen(inverse_inertia * (after + 0.5 * dt_ * net.torque),
                                        [&] { return vector<AngularVelocity>(rows); }),
-                        step_omega = chosen(inverse_inertia * after,
-                                            [&] { return vector<StepAngularVelocity>(rows); });
-        put<Acceleration>(rows, a);
-        put<Velocity>(rows, v);
-        put<Position>(rows, x);
+                        step_omega = chosen(inverse_inertia * after, [&] {
+                            return columns_are_current_ ? vector<StepAngularVelocity>(rows)
+                                                        : vector_of(columns_of([&](int q) {
+                                                              return &motion[q].omega_x;
+                                                          }));
+                        });
         put<AngularMomentum>(rows, momentum);
         put<AngularVelocity>(rows, omega);
-        put<StepAngularVelocity>(rows, step_omega);
-        show_contacts(rows, x, v, step_omega, free ? 1.0 / mass : Lane{});
-        predict(rows, (0.5 * dt_) * a, omega - step_omega);
+        if (columns_are_due_) {
+            put<Acceleration>(rows, a);
+            put<Velocity>(rows, v);
+            put<Position>(rows, x);
+            put<StepAngularVelocity>(rows, step_omega);
+        }
+        const auto write = [](const Vec3Lanes& first, const Lane& fourth, auto&& row_of) {
+            store_rows(transpose({first.x, first.y, first.z, fourth}), lane_count, row_of);
+        };
+        write(x, place[3], [&](int q) { return &sphere[q].x; });
+        write(v, inverse_mass, [&](int q) { return &motion[q].vx; });
+        write(step_omega, Lane{}, [&](int q) { return &motion[q].omega_x; });
+        predict(rows, a, omega - step_omega);
         const Vec3Lanes gone = x - vector<PrunedAt>(rows);
         const Lane distance = sqrt(dot(gone, gone));
-        store(bodies_.column<DisplacementBound>(), rows, distance);
+        if (columns_are_due_) store(bodies_.column<DisplacementBound>(), rows, distance);
         near_ &= distance <= number<InnerSkin>(rows);
         allowed_ &= within_.allow(x, v, omega, distance, number<BoundingRadius>(rows), free);
     }
@@ -118,24 +162,16 @@ private:
     void put(LaneRows rows, const Vec3Lanes& v) const {
         store(bodies_.column<C>(), rows, v);
     }
-    /// What contacts read of the spheres.
-    void show_contacts(LaneRows rows, const Vec3Lanes& x, const Vec3Lanes& v, const Vec3Lanes& w,
-                       const Lane& inverse_mass) const {
-        MotionRow* motion = bodies_.column<RigidMotion>() + rows.first;
-        SphereRow* sphere = sphere_ + rows.first;
-        const Lane radius = transpose(load_rows([&](int q) { return &sphere[q].x; }))[3];
-        store_rows(transpose({x.x, x.y, x.z, radius}), lane_count,
-                   [&](int q) { return &sphere[q].x; });
-        store_rows(transpose({v.x, v.y, v.z, inverse_mass}), lane_count,
-                   [&](int q) { return &motion[q].vx; });
-        store_rows(transpose({w.x, w.y, w.z, Lane{}}), lane_count,
-                   [&](int q) { return &motion[q].omega_x; });
+    template <class RowOf>
+    static FourLanes columns_of(RowOf&& row_of) {
+        return transpose(load_rows(row_of));
     }
+    static Vec3Lanes vector_of(const FourLanes& rows) { return {rows[0], rows[1], rows[2]}; }
     /// What only dashpots read.
-    void predict(LaneRows rows, const Vec3Lanes& v, const Vec3Lanes& w) const {
+    void predict(LaneRows rows, const Vec3Lanes& a, const Vec3Lanes& w) const {
         KickRow* kick = bodies_.column<Kick>() + rows.first;
-        store_rows(transpose({v.x, v.y, v.z, Lane{}}), lane_count,
-                   [&](int q) { return &kick[q].vx; });
+        store_rows(transpose({a.x, a.y, a.z, Lane{}}), lane_count,
+                   [&](int q) { return &kick[q].ax; });
         store_rows(transpose({w.x, w.y, w.z, Lane{}}), lane_count,
                    [&](int q) { return &kick[q].omega_x; });
     }
@@ -146,7 +182,7 @@ private:
     MotionLimits within_;
     Vec3Lanes gravity_;
     double dt_;
-    bool observed_;
+    bool observed_, columns_are_due_, columns_are_current_;
     LaneMask near_ = ~LaneMask{}, allowed_ = ~LaneMask{};
 };
 
@@ -155,28 +191,49 @@ private:
 void move_spheres(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,
                   const Census& census, const BoundarySums& boundaries, const Gravity& gravity,
                   const Limits& limits, const Clock& clock, const Observation& observation,
-                  ListState& lists, Alarm& alarm) {
+                  MotionColumns& columns, ListState& lists, Alarm& alarm) {
     const Settings settings{grid, census, boundaries, gravity, limits, clock};
-    SphereGroups groups(bodies, sums, listed, settings, observation.due);
+    SphereGroups groups(bodies, sums, listed, settings, observation.due, columns);
     auto boundary = std::ranges::lower_bound(census.boundaries, bodies.first());
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const Row last = rows.first + static_cast<Row>(rows.count);
         while (boundary != census.boundaries.end() && *boundary < rows.first) ++boundary;
         const bool has_boundary = boundary != census.boundaries.end() && *boundary < last;
-        if (rows.count == lane_count && !has_boundary)
+        if (rows.count == lane_count && !has_boundary) {
             groups.move(rows.first);
-        else
-            move_bodies(bodies.over({rows.first, last}), sums, listed, settings, lists, alarm);
+        } else {
+            const MovedSpheres these = bodies.over({rows.first, last});
+            if (!columns.current) write_columns(these, listed);
+            move_bodies(these, sums, listed, settings, lists, alarm);
+        }
     });
     if (groups.used_up()) lists.note_used_up();
     if (groups.escaped()) alarm.raise();
+    if (!columns.due) columns.note_skipped();
+}
+
+void complete_motion(MovedSpheres bodies, Places listed, MotionColumns& columns) {
+    if (columns.current) return;
+    constexpr std::size_t rows_per_chunk = 512;
+    for_chunks(
+        bodies.size(), rows_per_chunk, [&](std::size_t, std::size_t first, std::size_t last) {
+            write_columns(bodies.over({static_cast<Row>(first), static_cast<Row>(last)}), listed);
+        });
+    columns.current = true;
+}
+
+void complete_motion_in_trouble(MovedSpheres bodies, Places listed, const Alarm& alarm,
+                                const Health& health, MotionColumns& columns) {
+    if (!alarm.raised && !health.bad) return;
+    columns.current = !std::exchange(columns.skipped, false);
+    complete_motion(bodies, listed, columns);
 }
 
 void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,
                           const Census& census, const BoundarySums& boundaries,
                           const Gravity& gravity, const Limits& limits, const Clock& clock,
-                          const Observation& observation, Slab& slab, ListState& lists,
-                          Alarm& alarm) {
+                          const Observation& observation, MotionColumns& columns, Slab& slab,
+                          ListState& lists, Alarm& alarm) {
     constexpr std::size_t rows_per_chunk = 512; // a multiple of the lanes
     const auto over = [&](RowRange all, auto&& body) {
         for_chunks(all.size(), rows_per_chunk,
@@ -188,13 +245,13 @@ void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, cons
     const RowRange ghosts{slab.first_ghost, static_cast<Row>(bodies.size())};
     over({0, ghosts.first}, [&](const MovedSpheres& own) {
         move_spheres(own, sums, listed, grid, census, boundaries, gravity, limits, clock,
-                     observation, lists, alarm);
+                     observation, columns, lists, alarm);
     });
     pass_spheres(bodies, slab);
     over(ghosts, [&](const MovedSpheres& others) {
         sum_contacts(others, sums, grid, census, boundaries); // clears them
         update_sphere_positions(others, listed);
-        update_kicks(others, clock);
+        update_kicks(others);
         bound_displacement(others, lists);
         watch_motion(others, limits, clock, census, alarm);
     });

@@ -31,12 +31,19 @@ inline const std::vector<std::string> parts_of_move_spheres{"sum_contacts",
 /// From the sums of contact forces to what contacts read in the next step, in scenes of single
 /// spheres on which nothing but contacts and gravity acts. It gives the same bits as the systems
 /// that it combines, but each number of a body is loaded once. Forces and torques on spheres are
-/// stored in observed steps only.
+/// stored in observed steps only, the columns of motion in steps in which they are due.
 void move_spheres(MovedSpheres bodies, Rows<ForceSums, const NextSum, ContactSum> sums,
                   Rows<Listed, ListedPosition> listed, const ForceGrid& grid, const Census& census,
                   const BoundarySums& boundaries, const Gravity& gravity, const Limits& limits,
-                  const Clock& clock, const Observation& observation, ListState& lists,
-                  Alarm& alarm);
+                  const Clock& clock, const Observation& observation, MotionColumns& columns,
+                  ListState& lists, Alarm& alarm);
+
+/// Writes the columns of motion that move_spheres has not written (MotionColumns).
+void complete_motion(MovedSpheres bodies, Rows<Listed, ListedPosition> listed,
+                     MotionColumns& columns);
+/// The same at the end of a step in which something went wrong, for the message and the checkpoint.
+void complete_motion_in_trouble(MovedSpheres bodies, Rows<Listed, ListedPosition> listed,
+                                const Alarm& alarm, const Health& health, MotionColumns& columns);
 
 /// Systems that move_spheres_of_slab combines: the same on several ranks.
 inline const std::vector<std::string> parts_of_move_spheres_of_slab{
@@ -50,7 +57,7 @@ void move_spheres_of_slab(MovedSpheres bodies, Rows<ForceSums, const NextSum, Co
                           Rows<Listed, ListedPosition> listed, const ForceGrid& grid,
                           const Census& census, const BoundarySums& boundaries,
                           const Gravity& gravity, const Limits& limits, const Clock& clock,
-                          const Observation& observation, Slab& slab, ListState& lists,
-                          Alarm& alarm);
+                          const Observation& observation, MotionColumns& columns, Slab& slab,
+                          ListState& lists, Alarm& alarm);
 
 } // namespace bris

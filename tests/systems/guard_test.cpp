@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <limits>
+#include <utility>
 
 using namespace bris;
 using namespace bris::testing;
@@ -186,6 +187,36 @@ TEST_SUITE("guard") {
             Simulation just = five(Grains::spheres, facets,
                                    [](World& w) { value_of<Position>(w, 3).z() = 0.0076; });
             CHECK(message_of(just, 1) == "no error"); // a quarter of the radius is allowed
+        }
+    }
+
+    TEST_CASE("a run that stops within many steps leaves the motion of the step that stopped it") {
+        for (const bool by_wall : {false, true}) {
+            CAPTURE(by_wall);
+            const auto flight = [&](std::uint64_t at_once) {
+                World world = make_world(Grains::spheres);
+                const auto material = add_material(world, linear_material(1e5, 5e4, 0.5));
+                for (int k = 0; k < 40; ++k)
+                    add_sphere(world, Vec3(0.019 * k, 0, 0.0099), 0.01, material);
+                add_floor(world, material);
+                world.resource<Limits>().high = Vec3(10, 0.1, 10);
+                value_of<Velocity>(world, 30) = Vec3(0, 20, 0);
+                if (by_wall) {
+                    value_of<MotionOf>(world, 40) = static_cast<std::uint32_t>(Motion::prescribed);
+                    value_of<DriveVelocity>(world, 40) = Vec3(260, 0, 0);
+                }
+                Simulation sim = begin(std::move(world), {.dt = 1e-5});
+                std::string text = "no error";
+                for (std::uint64_t done = 0; done < 1000 && text == "no error"; done += at_once)
+                    text = message_of(sim, at_once);
+                return std::pair(text, std::move(sim));
+            };
+            const auto [text, sim] = flight(1000);
+            const auto [same_text, same] = flight(1);
+            CAPTURE(text);
+            CHECK(has(text, by_wall ? "body 40" : "escaped"));
+            CHECK(text == same_text);
+            CHECK(fingerprint(sim.snapshot()) == fingerprint(same.snapshot()));
         }
     }
 
