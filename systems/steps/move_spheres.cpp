@@ -7,7 +7,6 @@
 #include "systems/guard.hpp"
 #include "systems/slabs/slabs.hpp"
 
-#include <cmath>
 #include <utility>
 
 namespace bris {
@@ -27,22 +26,28 @@ struct Settings {
     const Clock& clock;
 };
 
+/// Calls body(chunk) for chunks of the rows `all`, in parallel.
+template <class Body>
+void for_chunks_of(const MovedSpheres& bodies, RowRange all, Body&& body) {
+    constexpr std::size_t rows_per_chunk = 512; // a multiple of the lanes
+    for_chunks(all.size(), rows_per_chunk, [&](std::size_t, std::size_t first, std::size_t last) {
+        body(
+            bodies.over({all.first + static_cast<Row>(first), all.first + static_cast<Row>(last)}));
+    });
+}
+
 /// Writes the columns of motion of bodies with spheres from what contacts read of them.
 void write_columns(const MovedSpheres& bodies, const Places& listed) {
     const SphereRow* sphere = listed.column<ListedPosition>();
     const MotionRow* motion = bodies.column<RigidMotion>();
     const KickRow* kick = bodies.column<Kick>();
     const SphereRun* spheres = bodies.column<SpheresOf>();
-    const Vec3* from = bodies.column<PrunedAt>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         if (spheres[b].count == 0) continue; // a boundary's are always current
         store(bodies.column<Position>()[b], load(&sphere[b].x));
         store(bodies.column<Velocity>()[b], load(&motion[b].vx));
         store(bodies.column<StepAngularVelocity>()[b], load(&motion[b].omega_x));
         store(bodies.column<Acceleration>()[b], load(&kick[b].ax));
-        const Vec3 gone = bodies.column<Position>()[b] - from[b];
-        bodies.column<DisplacementBound>()[b] =
-            std::sqrt(gone.x() * gone.x() + gone.y() * gone.y() + gone.z() * gone.z());
     }
 }
 
@@ -212,21 +217,20 @@ void move_spheres(MovedSpheres bodies, SumRows sums, Places listed, const ForceG
     if (!columns.due) columns.note_skipped();
 }
 
-void complete_motion(MovedSpheres bodies, Places listed, MotionColumns& columns) {
+void complete_motion(MovedSpheres bodies, Places listed, MotionColumns& columns, ListState& lists) {
     if (columns.current) return;
-    constexpr std::size_t rows_per_chunk = 512;
-    for_chunks(
-        bodies.size(), rows_per_chunk, [&](std::size_t, std::size_t first, std::size_t last) {
-            write_columns(bodies.over({static_cast<Row>(first), static_cast<Row>(last)}), listed);
-        });
+    for_chunks_of(bodies, {0, static_cast<Row>(bodies.size())}, [&](const MovedSpheres& these) {
+        write_columns(these, listed);
+        bound_displacement(these, lists);
+    });
     columns.current = true;
 }
 
 void complete_motion_in_trouble(MovedSpheres bodies, Places listed, const Alarm& alarm,
-                                const Health& health, MotionColumns& columns) {
+                                const Health& health, MotionColumns& columns, ListState& lists) {
     if (!alarm.raised && !health.bad) return;
     columns.current = !std::exchange(columns.skipped, false);
-    complete_motion(bodies, listed, columns);
+    complete_motion(bodies, listed, columns, lists);
 }
 
 void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,
@@ -234,21 +238,13 @@ void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, cons
                           const Gravity& gravity, const Limits& limits, const Clock& clock,
                           const Observation& observation, MotionColumns& columns, Slab& slab,
                           ListState& lists, Alarm& alarm) {
-    constexpr std::size_t rows_per_chunk = 512; // a multiple of the lanes
-    const auto over = [&](RowRange all, auto&& body) {
-        for_chunks(all.size(), rows_per_chunk,
-                   [&](std::size_t, std::size_t first, std::size_t last) {
-                       body(bodies.over({all.first + static_cast<Row>(first),
-                                         all.first + static_cast<Row>(last)}));
-                   });
-    };
     const RowRange ghosts{slab.first_ghost, static_cast<Row>(bodies.size())};
-    over({0, ghosts.first}, [&](const MovedSpheres& own) {
+    for_chunks_of(bodies, {0, ghosts.first}, [&](const MovedSpheres& own) {
         move_spheres(own, sums, listed, grid, census, boundaries, gravity, limits, clock,
                      observation, columns, lists, alarm);
     });
     pass_spheres(bodies, slab);
-    over(ghosts, [&](const MovedSpheres& others) {
+    for_chunks_of(bodies, ghosts, [&](const MovedSpheres& others) {
         sum_contacts(others, sums, grid, census, boundaries); // clears them
         update_sphere_positions(others, listed);
         update_kicks(others);

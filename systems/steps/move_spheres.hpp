@@ -38,12 +38,14 @@ void move_spheres(MovedSpheres bodies, Rows<ForceSums, const NextSum, ContactSum
                   const Clock& clock, const Observation& observation, MotionColumns& columns,
                   ListState& lists, Alarm& alarm);
 
-/// Writes the columns of motion that move_spheres has not written (MotionColumns).
+/// Writes the columns of motion that move_spheres has not written (MotionColumns), and the bounds
+/// on displacements.
 void complete_motion(MovedSpheres bodies, Rows<Listed, ListedPosition> listed,
-                     MotionColumns& columns);
+                     MotionColumns& columns, ListState& lists);
 /// The same at the end of a step in which something went wrong, for the message and the checkpoint.
 void complete_motion_in_trouble(MovedSpheres bodies, Rows<Listed, ListedPosition> listed,
-                                const Alarm& alarm, const Health& health, MotionColumns& columns);
+                                const Alarm& alarm, const Health& health, MotionColumns& columns,
+                                ListState& lists);
 
 /// Systems that move_spheres_of_slab combines: the same on several ranks.
 inline const std::vector<std::string> parts_of_move_spheres_of_slab{
