@@ -13,14 +13,15 @@ namespace bris::detail {
 
 namespace {
 
-/// Near rows per chunk: several chunks for every thread. Chunks of contacts with boundaries are so
-/// small that even contacts at twice the limit of overlap cannot leave the range of their sum.
+/// Near rows per chunk. The forces between chunks take a detour over lists, so there are no more
+/// chunks than keep all threads busy. Chunks of contacts with boundaries are so small that even
+/// contacts at twice the limit of overlap cannot leave the range of their sum.
 template <class Pairs>
 std::size_t rows_per_chunk(std::size_t rows) {
     if (!std::is_same_v<Pairs, SpherePairs>) return 128;
-    constexpr std::size_t least = 256, most = 4096, chunks_per_thread = 4;
+    constexpr std::size_t least = 256, chunks_per_thread = 4;
     const std::size_t threads = team_size();
-    return threads == 1 ? most : std::clamp(rows / (chunks_per_thread * threads), least, most);
+    return threads == 1 ? rows : std::max(rows / (chunks_per_thread * threads), least);
 }
 
 /// Bodies outside a chunk on which its contacts may exert forces, sorted.

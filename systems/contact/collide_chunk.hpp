@@ -12,7 +12,7 @@ namespace bris::detail {
 inline constexpr std::size_t near_rows_in_cache = 8192;
 
 /// Near rows whose touching pairs are listed before the law is applied to them.
-inline constexpr std::size_t near_rows_per_block = 1024;
+inline constexpr std::size_t near_rows_per_block = 4096;
 
 /// Those of a group of eight near pairs that do not touch, but on which the law acts beyond touch,
 /// as bits.

@@ -39,13 +39,14 @@ struct PlaneGeometry {
         return (Vec3(a.x, a.y, a.z) - p.point).dot(p.normal) - a.radius;
     }
     double radius(const NearEntry& near) const { return movers.sphere_row[near.owner].radius; }
-    // not needed: planes are few, and the spheres are close to each other in memory
-    void prefetch_positions(const NearEntry*) const {}
+    // of the planes, which are few, nothing is prefetched
+    void prefetch_positions(const NearEntry* near) const {
+        for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.sphere_row[near[q].owner]);
+    }
     void prefetch_rows(const TileTarget& to, const Row* rows) const {
-        std::array<std::size_t, lane_count> own;
-        for (std::size_t q = 0; q < lane_count; ++q) own[q] = to.near[rows[q]].owner;
+        const auto own = movers.bodies_of([&](std::size_t q) { return to.near[rows[q]].owner; });
         movers.prefetch_rows(own);
-        to.prefetch_rows(rows);
+        to.prefetch_rows(rows, own);
     }
 
     template <class Law>

@@ -34,14 +34,11 @@ struct SphereSurfaces {
         for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.sphere_row[near[q].other]);
     }
     void prefetch_rows(const TileTarget& to, const Row* rows) const {
-        std::array<std::size_t, lane_count> own, other;
-        for (std::size_t q = 0; q < lane_count; ++q) {
-            own[q] = to.near[rows[q]].owner;
-            other[q] = to.near[rows[q]].other;
-        }
+        const auto own = movers.bodies_of([&](std::size_t q) { return to.near[rows[q]].owner; });
         movers.prefetch_rows(own);
-        movers.prefetch_rows(other);
-        to.prefetch_rows(rows);
+        movers.prefetch_rows(
+            movers.bodies_of([&](std::size_t q) { return to.near[rows[q]].other; }));
+        to.prefetch_rows(rows, own);
     }
 };
 

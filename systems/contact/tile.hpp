@@ -51,8 +51,10 @@ struct TileTarget {
     WorkTarget work;
     LawStep step;
 
-    /// Prefetches the rows that the contacts of these near rows write.
-    void prefetch_rows(const Row* rows) const {
+    /// Prefetches the rows that the contacts of these near rows write. `bodies`: rows of the
+    /// owners.
+    void prefetch_rows(const Row* rows, const std::array<std::size_t, lane_count>& bodies) const {
+        for (const std::size_t b : bodies) prefetch<true>(&sums.sum[b]);
         for (int q = 0; q < lane_count; ++q) prefetch<true>(&sums.of_partner(rows[q]));
         if (spring != nullptr)
             for (int q = 0; q < lane_count; ++q) prefetch<true>(&spring[near[rows[q]].pair]);
@@ -125,10 +127,15 @@ struct Movers {
           centre(index.centred ? nullptr : bodies.template column<CentreOf>()),
           kick(kick_of(bodies)) {}
     std::size_t body_of(std::size_t slot) const { return body == nullptr ? slot : body[slot]; }
-    /// Prefetches what contacts read of the bodies of these spheres, except positions of spheres.
-    void prefetch_rows(const std::array<std::size_t, lane_count>& slots) const {
+    /// Rows of the bodies of the spheres that slot_of(0) to slot_of(lane_count - 1) name.
+    template <class SlotOf>
+    std::array<std::size_t, lane_count> bodies_of(SlotOf&& slot_of) const {
         std::array<std::size_t, lane_count> bodies;
-        for (std::size_t q = 0; q < lane_count; ++q) bodies[q] = body_of(slots[q]);
+        for (std::size_t q = 0; q < lane_count; ++q) bodies[q] = body_of(slot_of(q));
+        return bodies;
+    }
+    /// Prefetches what contacts read of these bodies, except positions of their spheres.
+    void prefetch_rows(const std::array<std::size_t, lane_count>& bodies) const {
         for (const std::size_t b : bodies) prefetch(&motion[b]);
         if (kick != nullptr)
             for (const std::size_t b : bodies) prefetch(&kick[b]);

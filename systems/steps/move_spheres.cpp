@@ -2,6 +2,7 @@
 
 #include "engine/lane_math.hpp"
 #include "engine/parallel.hpp"
+#include "engine/prefetch.hpp"
 #include "systems/contact/body_sums.hpp"
 #include "systems/contact/sum_contacts.hpp"
 #include "systems/guard.hpp"
@@ -69,7 +70,8 @@ class SphereGroups {
 public:
     SphereGroups(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, bool observed, const MotionColumns& columns)
-        : bodies_(bodies), sums_(bodies, sums, s.grid, s.census, s.boundaries),
+        : bodies_(bodies), sum_(sums.column<ContactSum>()),
+          sums_(bodies, sums, s.grid, s.census, s.boundaries),
           sphere_(listed.column<ListedPosition>()),
           within_(s.limits, s.clock, s.census), gravity_{lanes(s.gravity.value.x()),
                                                          lanes(s.gravity.value.y()),
@@ -81,6 +83,7 @@ public:
     /// it.
     void move(Row first) {
         const LaneRows rows{first, lane_count};
+        if (far_) prefetch_group(first + 4 * lane_count);
         const LaneMask free =
             equal(bodies_.column<MotionOf>(), rows, static_cast<std::uint32_t>(Motion::free));
         if (bits(free) == all_lanes)
@@ -92,6 +95,30 @@ public:
     bool escaped() const { return bits(allowed_) != all_lanes; }
 
 private:
+    /// Number of spheres whose rows fill a cache of some megabytes.
+    static constexpr std::size_t spheres_in_cache = 8192;
+
+    /// Prefetches the rows of lane_count spheres. They lie in more places than the processor
+    /// follows by itself.
+    void prefetch_group(Row first) const {
+        if (first + lane_count > bodies_.size()) return;
+        const auto rows_of = [&](const auto* table) {
+            const auto* at = reinterpret_cast<const char*>(table + first);
+            for (std::size_t k = 0; k < lane_count * sizeof *table; k += 64) prefetch<true>(at + k);
+        };
+        rows_of(sum_);
+        rows_of(sphere_);
+        rows_of(bodies_.column<RigidMotion>());
+        rows_of(bodies_.column<Kick>());
+        rows_of(bodies_.column<AngularMomentum>());
+        rows_of(bodies_.column<AngularVelocity>());
+        rows_of(bodies_.column<PrunedAt>());
+        rows_of(bodies_.column<Mass>());
+        rows_of(bodies_.column<InertialMass>());
+        rows_of(bodies_.column<SphereInertia>());
+        rows_of(bodies_.column<InnerSkin>());
+        rows_of(bodies_.column<BoundingRadius>());
+    }
     template <bool all_free>
     [[gnu::always_inline]] void move(LaneRows rows, LaneMask free) {
         detail::NetForceLanes net = sums_.take_grains(rows.first);
@@ -182,12 +209,14 @@ private:
     }
 
     MovedSpheres bodies_;
+    const SumRow* sum_;
     detail::BodySums sums_;
     SphereRow* sphere_;
     MotionLimits within_;
     Vec3Lanes gravity_;
     double dt_;
-    bool observed_, columns_are_due_, columns_are_current_;
+    bool far_ = bodies_.size() > spheres_in_cache, observed_, columns_are_due_,
+         columns_are_current_;
     LaneMask near_ = ~LaneMask{}, allowed_ = ~LaneMask{};
 };
 
