@@ -37,6 +37,12 @@ inline Lane lanes(double value) { return value - Lane{}; }
 inline Lane sqrt(Lane a) {
 #ifdef __AVX512F__
     return _mm512_maskz_sqrt_pd(0xff, a); // the unmasked form trips g++ 12's uninitialised warning
+#elif defined __AVX__
+    return _mm256_sqrt_pd(a);
+#elif defined __SSE2__
+    const auto low = _mm_sqrt_pd(__builtin_shufflevector(a, a, 0, 1)),
+               high = _mm_sqrt_pd(__builtin_shufflevector(a, a, 2, 3));
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3);
 #else
     for (int k = 0; k < lane_count; ++k) a[k] = std::sqrt(a[k]);
     return a;
@@ -59,6 +65,8 @@ inline Lane magnitude(Lane a) {
 inline Lane floor(Lane a) {
 #ifdef __AVX512F__
     return _mm512_maskz_roundscale_pd(0xff, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+#elif defined __AVX__
+    return _mm256_floor_pd(a);
 #else
     for (int k = 0; k < lane_count; ++k) a[k] = std::floor(a[k]);
     return a;

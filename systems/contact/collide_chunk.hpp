@@ -7,9 +7,9 @@
 
 namespace bris::detail {
 
-/// Number of near rows whose bodies, springs and records fill a cache of one megabyte. With at most
-/// so many rows, prefetching is not needed.
-inline constexpr std::size_t near_rows_in_cache = 8192;
+/// Number of near rows whose bodies, springs and sums fill a cache of some ten megabytes. With at
+/// most so many rows, prefetching costs more than it brings.
+inline constexpr std::size_t near_rows_in_cache = 65536;
 
 /// Near rows whose touching pairs are listed before the law is applied to them.
 inline constexpr std::size_t near_rows_per_block = 4096;

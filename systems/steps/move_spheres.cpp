@@ -95,8 +95,8 @@ public:
     bool escaped() const { return bits(allowed_) != all_lanes; }
 
 private:
-    /// Number of spheres whose rows fill a cache of some megabytes.
-    static constexpr std::size_t spheres_in_cache = 8192;
+    /// Number of spheres whose rows fill a cache of some ten megabytes.
+    static constexpr std::size_t spheres_in_cache = 20000;
 
     /// Prefetches the rows of lane_count spheres. They lie in more places than the processor
     /// follows by itself.
