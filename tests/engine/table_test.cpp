@@ -31,6 +31,7 @@ struct Record : Derived<std::array<double, 8>> {
     static constexpr bool is_scratch = true;
 };
 
+#ifndef BRIS_SANITIZED
 /// Bytes of memory that this process uses now.
 double used_memory() {
     std::ifstream file("/proc/self/statm");
@@ -38,6 +39,7 @@ double used_memory() {
     file >> all >> resident;
     return resident * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
+#endif
 
 } // namespace
 
