@@ -44,7 +44,7 @@ void note_readers_of_motion(World& world) {
     columns.current = !std::exchange(columns.skipped, false);
     columns.due = world.resource<Clock>().last || world.has_resource<Replay>() ||
                   world.has_resource<Fouling>() || world.has_resource<Sleep>() ||
-                  world.has_resource<InertialRecorders>() || world.has_resource<Slab>();
+                  world.has_resource<InertialRecorders>();
 }
 
 /// Contacts are weakened anew when fines, or the candidate pairs, have changed.
@@ -161,9 +161,11 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("guard_motion", guard_motion),
         system("complete_motion_in_trouble again", complete_motion_in_trouble),
         // where the world is one rank's part of a whole
+        system("complete_motion_for_lists", complete_motion_for_lists),
         system("review_candidates", review_candidates),
         system("agree_on_lists", agree_on_lists),
         system("note_widest_skin", note_widest_skin),
+        system("complete_motion_for_lists again", complete_motion_for_lists),
         system("exchange_bodies", exchange_bodies),
     };
 }

@@ -255,11 +255,25 @@ void complete_motion(MovedSpheres bodies, Places listed, MotionColumns& columns,
     columns.current = true;
 }
 
-void complete_motion_in_trouble(MovedSpheres bodies, Places listed, const Alarm& alarm,
-                                const Health& health, MotionColumns& columns, ListState& lists) {
-    if (!alarm.raised && !health.bad) return;
+namespace {
+
+/// At the end of a step, which may have left columns unwritten.
+void complete_motion_of_step(const MovedSpheres& bodies, const Places& listed,
+                             MotionColumns& columns, ListState& lists) {
     columns.current = !std::exchange(columns.skipped, false);
     complete_motion(bodies, listed, columns, lists);
+}
+
+} // namespace
+
+void complete_motion_in_trouble(MovedSpheres bodies, Places listed, const Alarm& alarm,
+                                const Health& health, MotionColumns& columns, ListState& lists) {
+    if (alarm.raised || health.bad) complete_motion_of_step(bodies, listed, columns, lists);
+}
+
+void complete_motion_for_lists(MovedSpheres bodies, Places listed, const Slab&,
+                               MotionColumns& columns, ListState& lists) {
+    if (lists.used_up || lists.stale) complete_motion_of_step(bodies, listed, columns, lists);
 }
 
 void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,
@@ -272,6 +286,9 @@ void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, cons
         move_spheres(own, sums, listed, grid, census, boundaries, gravity, limits, clock,
                      observation, columns, lists, alarm);
     });
+    if (!columns.due) // others read no columns but those that are passed on
+        for (const GhostRows& ghost : slab.ghosts)
+            for (const Row b : ghost.send) write_columns(bodies.over({b, b + 1}), listed);
     pass_spheres(bodies, slab);
     for_chunks_of(bodies, ghosts, [&](const MovedSpheres& others) {
         sum_contacts(others, sums, grid, census, boundaries); // clears them
