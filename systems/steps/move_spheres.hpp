@@ -47,10 +47,11 @@ void complete_motion_in_trouble(MovedSpheres bodies, Rows<Listed, ListedPosition
                                 const Alarm& alarm, const Health& health, MotionColumns& columns,
                                 ListState& lists);
 
-/// The same on several ranks at the end of a step after which candidates are reviewed, or bodies
-/// exchanged.
-void complete_motion_for_lists(MovedSpheres bodies, Rows<Listed, ListedPosition> listed,
-                               const Slab& slab, MotionColumns& columns, ListState& lists);
+/// The same on several ranks, at the end of a step after which candidates are reviewed, bodies are
+/// exchanged, or a fault of another rank stops the run.
+void complete_motion_for_ranks(MovedSpheres bodies, Rows<Listed, ListedPosition> listed,
+                               const Slab& slab, const Health& health, MotionColumns& columns,
+                               ListState& lists);
 
 /// Systems that move_spheres_of_slab combines: the same on several ranks.
 inline const std::vector<std::string> parts_of_move_spheres_of_slab{
