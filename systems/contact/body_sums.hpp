@@ -81,6 +81,9 @@ public:
           sum_(sums.column<ContactSum>()), sums_(sums), grid_(grid), census_(census),
           boundaries_(boundaries) {}
 
+    /// Sums by row of the body.
+    const SumRow* rows() const { return sum_; }
+
     /// Converts the sums of body `b`, and clears them for the next step.
     NetForce take(Row b) const {
         const NetForce net = spheres_[b].count == 0 ? of_boundary(b) : of_grain(b);

@@ -52,6 +52,13 @@ void write_columns(const MovedSpheres& bodies, const Places& listed) {
     }
 }
 
+/// At the end of a step, which may have left columns unwritten.
+void complete_motion_of_step(const MovedSpheres& bodies, const Places& listed,
+                             MotionColumns& columns, ListState& lists) {
+    columns.current = !std::exchange(columns.skipped, false);
+    complete_motion(bodies, listed, columns, lists);
+}
+
 /// The combined systems themselves, for groups of rows with a boundary and for incomplete ones.
 void move_bodies(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, ListState& lists, Alarm& alarm) {
@@ -70,8 +77,7 @@ class SphereGroups {
 public:
     SphereGroups(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, bool observed, const MotionColumns& columns)
-        : bodies_(bodies), sum_(sums.column<ContactSum>()),
-          sums_(bodies, sums, s.grid, s.census, s.boundaries),
+        : bodies_(bodies), sums_(bodies, sums, s.grid, s.census, s.boundaries),
           sphere_(listed.column<ListedPosition>()),
           within_(s.limits, s.clock, s.census), gravity_{lanes(s.gravity.value.x()),
                                                          lanes(s.gravity.value.y()),
@@ -106,7 +112,7 @@ private:
             const auto* at = reinterpret_cast<const char*>(table + first);
             for (std::size_t k = 0; k < lane_count * sizeof *table; k += 64) prefetch<true>(at + k);
         };
-        rows_of(sum_);
+        rows_of(sums_.rows());
         rows_of(sphere_);
         rows_of(bodies_.column<RigidMotion>());
         rows_of(bodies_.column<Kick>());
@@ -209,7 +215,6 @@ private:
     }
 
     MovedSpheres bodies_;
-    const SumRow* sum_;
     detail::BodySums sums_;
     SphereRow* sphere_;
     MotionLimits within_;
@@ -254,17 +259,6 @@ void complete_motion(MovedSpheres bodies, Places listed, MotionColumns& columns,
     });
     columns.current = true;
 }
-
-namespace {
-
-/// At the end of a step, which may have left columns unwritten.
-void complete_motion_of_step(const MovedSpheres& bodies, const Places& listed,
-                             MotionColumns& columns, ListState& lists) {
-    columns.current = !std::exchange(columns.skipped, false);
-    complete_motion(bodies, listed, columns, lists);
-}
-
-} // namespace
 
 void complete_motion_in_trouble(MovedSpheres bodies, Places listed, const Alarm& alarm,
                                 const Health& health, MotionColumns& columns, ListState& lists) {
