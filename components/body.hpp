@@ -192,11 +192,13 @@ struct InnerSkin : Derived<double> {
 /// The same for the candidate pairs.
 struct OuterSkin : Derived<double> {
     static constexpr auto name = "outer_skin", unit = "m";
+    static constexpr bool is_carried = true;
 };
 /// Distance that the surface has moved per step while the last lists served. A body that was faster
 /// before is forgotten slowly.
 struct SurfaceSpeed : Derived<double> {
     static constexpr auto name = "surface_speed", unit = "m";
+    static constexpr bool is_carried = true;
 };
 
 /// Position and, for clumps only, orientation at the last prune of the pair lists.

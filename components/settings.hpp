@@ -46,8 +46,6 @@ struct ListSettings {
     double outer_skin = 0;   ///< m, > inner_skin; 0: chosen from the radii at the first rebuild
     double inner_skin = 0;   ///< m, > 0; 0: chosen from the radii at the first rebuild
     double largest_skin = 0; ///< m, limit of tuned skins; 0: chosen from the radii
-    /// m, limit of all skins, for which the ghosts of a slab are chosen.
-    double widest_skin = std::numeric_limits<double>::infinity();
     /// Largest ratio of radii within one grid of the pair search. The default keeps the rocks of
     /// one grading in one grid.
     double widest_ratio = 3;
@@ -67,7 +65,9 @@ struct ListState {
     std::uint64_t prunes_at_rebuild = 0;
     bool used_up = false;          ///< a body has moved further than its inner skin
     bool skins_are_chosen = false; ///< for the next prune, by review_candidates
-    double widest_skin = 0;        ///< m, largest skin that new candidates would have
+    /// The candidates that are current, or are made next, serve for few steps: they have no larger
+    /// skins than the near pairs.
+    bool brief = false;
 
     /// Sets used_up; may be called by several threads.
     void note_used_up() { std::atomic_ref(used_up).store(true, std::memory_order_relaxed); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "components/outlines.hpp"
 #include "engine/component.hpp"
 #include "engine/entity.hpp"
 
@@ -42,7 +43,7 @@ struct Slab {
     int axis = 0;                  ///< along which the world is divided: 0, 1, 2 for x, y, z
     std::vector<double> cuts;      ///< m, ranks + 1, ascending; the outer ones are infinite
     unsigned rank = 0;             ///< of this process
-    double widest_skin = 0;        ///< m, limit of the outer skins
+    Outlines outlines;             ///< of the bodies of each slab
     Row first_ghost = 0;           ///< the rows of Bodies from here on are ghosts
     std::vector<GhostRows> ghosts; ///< by rank; only those with which bodies are shared
 
@@ -51,10 +52,10 @@ struct Slab {
         while (rank_of + 2 < cuts.size() && !(x < cuts[rank_of + 1])) ++rank_of;
         return rank_of;
     }
-    /// Whether a body at x is owned by a rank, or within `reach` (m) of its slab.
-    bool is_near(double x, double reach, std::size_t of_rank) const {
-        return owner_of(x) == of_rank ||
-               (x > cuts[of_rank] - reach && x < cuts[of_rank + 1] + reach);
+    /// Whether a slab needs a body: its own ones, and those that may touch one of them before new
+    /// lists are made. `reach`: its bounding radius and outer skin (m).
+    bool needs(std::size_t of_rank, const Vec3& x, double reach) const {
+        return owner_of(x[axis]) == of_rank || outlines.may_touch(of_rank, x, reach);
     }
 };
 

@@ -91,7 +91,7 @@ Column::Column(const Column& other) : type_(other.type_) {
 Column::Column(const Column& other, std::span<const Row> rows) : type_(other.type_) {
     resize(rows.size());
     const std::size_t width = type_.value_size;
-    for (std::size_t row = 0; type_.is_state && row < size_; ++row)
+    for (std::size_t row = 0; type_.is_carried && row < size_; ++row)
         std::memcpy(bytes() + row * width, other.bytes() + rows[row] * width, width);
 }
 
@@ -124,15 +124,15 @@ void Column::resize(std::size_t rows) {
     size_ = rows;
 }
 
-void Column::permute(std::span<const Row> new_to_old) {
-    if (type_.is_scratch) return spoil(bytes(), size_ * type_.value_size);
+void Column::keep(std::span<const Row> rows) {
     const std::size_t width = type_.value_size;
+    size_ = rows.size();
+    if (type_.is_scratch) return spoil(bytes(), size_ * width);
     Block moved(capacity_ * width, size_ * width);
     for_chunks(size_, std::max<std::size_t>(bytes_per_chunk / width, 1),
                [&](std::size_t, std::size_t first, std::size_t last) {
                    for (std::size_t row = first; row < last; ++row)
-                       std::memcpy(moved.data + row * width, bytes() + new_to_old[row] * width,
-                                   width);
+                       std::memcpy(moved.data + row * width, bytes() + rows[row] * width, width);
                });
     use(std::move(moved));
 }

@@ -28,12 +28,13 @@ public:
         std::size_t scalar_size; ///< bytes
         std::size_t value_size;  ///< bytes
         bool is_key = false, is_scratch = false;
+        bool is_carried = false; ///< copied with rows: State, and Derived values marked so
         bool (*keep)(const std::byte* value) = nullptr; ///< null: every row is saved
     };
 
     explicit Column(Type type) : type_(std::move(type)) {}
     Column(const Column& other);
-    /// Some rows of another State column, in this order; as many zeros of a Derived one.
+    /// Some rows of another column, in this order; as many zeros if it is not carried.
     Column(const Column& other, std::span<const Row> rows);
     Column& operator=(const Column&) = delete;
 
@@ -44,8 +45,8 @@ public:
 
     /// Changes the number of rows. Shrinking keeps the memory.
     void resize(std::size_t rows);
-    /// Moves row `new_to_old[r]` to row r.
-    void permute(std::span<const Row> new_to_old);
+    /// Keeps these rows only, in this order.
+    void keep(std::span<const Row> rows);
 
     template <Component C>
     static Type type_of() {
@@ -56,6 +57,8 @@ public:
                   C::scalar,
                   C::scalar_size,
                   sizeof(typename C::Value)};
+        type.is_carried = C::is_state;
+        if constexpr (requires { C::is_carried; }) type.is_carried = C::is_carried;
         if constexpr (requires { C::is_key; }) type.is_key = C::is_key;
         if constexpr (requires { C::is_scratch; }) type.is_scratch = C::is_scratch;
         if constexpr (requires { &C::keep; })

@@ -32,9 +32,10 @@ struct Derived {
 /// A column's type: a struct derived from State<T> or Derived<T> with `name` and `unit`. The State
 /// column marked `is_key` identifies the rows (unsigned integers, compared in lexicographic order).
 /// A State column with `static bool keep(const Value&)` allows rows without content to be left out
-/// of files. A Derived column marked `is_scratch` is written anew before it is read, in every step
-/// or in every observed one: nobody clears its new rows or moves them when rows are sorted, so that
-/// memory that is not written is not used.
+/// of files. A Derived column marked `is_carried` is copied with some rows of a table all the same,
+/// because its values are learnt from many steps. A Derived column marked `is_scratch` is written
+/// anew before it is read, in every step or in every observed one: nobody clears its new rows or
+/// moves them when rows are sorted, so that memory that is not written is not used.
 template <class C>
 concept Component = requires {
     typename C::Value;

@@ -108,17 +108,16 @@ unsigned Ranks::size() {
 
 bool Ranks::available() { return true; }
 
-double Ranks::largest(double here) {
-    reduce(&here, 1, MPI_DOUBLE, MPI_MAX);
-    return here;
-}
-
 void Ranks::sum(std::span<std::int64_t> entries) {
     reduce(entries.data(), entries.size(), MPI_INT64_T, MPI_SUM);
 }
 
-void Ranks::largest(std::span<std::int64_t> entries) {
-    reduce(entries.data(), entries.size(), MPI_INT64_T, MPI_MAX);
+void Ranks::sum(std::span<double> entries) {
+    reduce(entries.data(), entries.size(), MPI_DOUBLE, MPI_SUM);
+}
+
+void Ranks::largest(std::span<double> entries) {
+    reduce(entries.data(), entries.size(), MPI_DOUBLE, MPI_MAX);
 }
 
 void Ranks::pass(std::span<const Message> send, std::span<const Message> receive) {
@@ -189,9 +188,9 @@ void RanksOfProgram::abort(int code) {
 unsigned Ranks::rank() { return 0; }
 unsigned Ranks::size() { return 1; }
 bool Ranks::available() { return false; }
-double Ranks::largest(double here) { return here; }
 void Ranks::sum(std::span<std::int64_t>) {}
-void Ranks::largest(std::span<std::int64_t>) {}
+void Ranks::sum(std::span<double>) {}
+void Ranks::largest(std::span<double>) {}
 void Ranks::pass(std::span<const Message>, std::span<const Message>) {}
 std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) { return to; }
 RanksOfProgram::RanksOfProgram() = default;
@@ -249,11 +248,12 @@ int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
                                       code - 128));
 }
 
-bool Ranks::any(bool here) {
-    std::int64_t entry = here ? 1 : 0;
-    largest({&entry, 1});
-    return entry != 0;
+double Ranks::largest(double here) {
+    largest({&here, 1});
+    return here;
 }
+
+bool Ranks::any(bool here) { return largest(here ? 1.0 : 0.0) > 0; }
 
 std::vector<Ranks::Bytes> Ranks::share(const Bytes& here) {
     return exchange(std::vector<Bytes>(size(), here));

@@ -27,9 +27,10 @@ public:
     /// The largest number of all ranks.
     static double largest(double here);
     /// The sum over ranks, or the largest of all ranks, of each entry; as many entries on each
-    /// rank.
+    /// rank. Sums of real numbers are for what may depend on the order of adding.
     static void sum(std::span<std::int64_t> entries);
-    static void largest(std::span<std::int64_t> entries);
+    static void sum(std::span<double> entries);
+    static void largest(std::span<double> entries);
     /// What each rank sends to this one, given what this one sends to each; by rank.
     static std::vector<Bytes> exchange(const std::vector<Bytes>& to);
     /// What every rank gives, by rank, on all ranks.

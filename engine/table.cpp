@@ -43,8 +43,9 @@ void Table::resize(std::size_t rows) {
     size_ = rows;
 }
 
-void Table::permute(std::span<const Row> new_to_old) {
-    for (auto& column : columns_) column->permute(new_to_old);
+void Table::keep(std::span<const Row> rows) {
+    for (auto& column : columns_) column->keep(rows);
+    size_ = rows.size();
 }
 
 } // namespace bris

@@ -15,7 +15,7 @@ class Table {
 public:
     explicit Table(std::string name) : name_(std::move(name)) {}
     Table(const Table& other);
-    /// The State of some rows of another table, in this order; Derived values are zero.
+    /// Some rows of another table, in this order; values that are not carried are zero.
     Table(const Table& other, std::span<const Row> rows);
     Table(Table&&) = default;
 
@@ -50,8 +50,8 @@ public:
 
     /// Changes the number of rows of every column; new rows are zero.
     void resize(std::size_t rows);
-    /// Reorders every column: row `new_to_old[r]` moves to row r.
-    void permute(std::span<const Row> new_to_old);
+    /// Keeps these rows only, in this order: row `rows[r]` moves to row r.
+    void keep(std::span<const Row> rows);
 
     /// Marks blocks of `idle_rows` rows that row-local systems skip, one flag per block; empty: no
     /// block is skipped.

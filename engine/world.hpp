@@ -23,7 +23,7 @@ class World {
 public:
     World() = default;
     World(const World& other);
-    /// Some rows of the tables of another world, with their State only, and its resources.
+    /// Some rows of the tables of another world (Table says what of them), and its resources.
     /// `rows_of`: of a table; nullopt: all of it, with Derived values.
     World(const World& other,
           const std::function<std::optional<std::vector<Row>>(const Table&)>& rows_of);

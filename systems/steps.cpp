@@ -161,11 +161,10 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("guard_motion", guard_motion),
         system("complete_motion_in_trouble again", complete_motion_in_trouble),
         // where the world is one rank's part of a whole
+        system("review_lists", review_lists),
+        system("agree_on_lists", agree_on_lists),
         system("complete_motion_for_ranks", complete_motion_for_ranks),
         system("review_candidates", review_candidates),
-        system("agree_on_lists", agree_on_lists),
-        system("note_widest_skin", note_widest_skin),
-        system("complete_motion_for_ranks again", complete_motion_for_ranks),
         system("exchange_bodies", exchange_bodies),
     };
 }

@@ -20,15 +20,10 @@ namespace {
 /// Keeps the rows of a table for which `stays` is true, in their order.
 template <class Stays>
 void keep_rows(Table& table, Stays&& stays) {
-    std::vector<Row> kept, order;
+    std::vector<Row> kept;
     for (Row r = 0; r < table.size(); ++r)
         if (stays(r)) kept.push_back(r);
-    if (kept.size() == table.size()) return;
-    order = kept;
-    for (Row r = 0; r < table.size(); ++r)
-        if (!stays(r)) order.push_back(r);
-    table.permute(order);
-    table.resize(kept.size());
+    if (kept.size() < table.size()) table.keep(kept);
 }
 
 /// New ids from 0 without gaps, in the order of the old ones, for the ids that stay.

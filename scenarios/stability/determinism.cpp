@@ -25,8 +25,8 @@ void shuffle_rows(World& world, std::uint64_t seed) {
     for (const Row b : order) // before the first step rows are ids
         for (Row s = 0; s < spheres.size(); ++s)
             if (spheres.column<ParentId>()[s] == b) sphere_order.push_back(s);
-    bodies.permute(order);
-    spheres.permute(sphere_order);
+    bodies.keep(order);
+    spheres.keep(sphere_order);
 }
 
 struct Variant {

@@ -27,12 +27,13 @@ void note_positions(World& world);
 /// sphere positions while the candidates are still complete. Only here do rows change.
 void rebuild_pairs(World& world);
 
-/// At the end of a step, where a world is divided: marks the lists as stale if the candidates do
-/// not suffice for the next step.
+/// At the end of a step, where a world is divided: notes whether the lists of this rank are used
+/// up.
+void review_lists(const Slab& slab, World& world);
+/// Where those of any rank are: marks all of them as stale, and chooses the outer skins of new
+/// candidates, if the candidates of any rank do not suffice for the next step.
 void review_candidates(const Slab& slab, World& world);
-/// Then, where the lists are stale: the largest skin that new candidates would have (ListState).
-void note_widest_skin(const Slab& slab, World& world);
-/// What must be known of a world before it is divided: spheres of bodies, census, widest skin.
+/// What must be known of a world before it is divided: spheres of bodies, census, outer skins.
 void survey(World& world);
 
 /// Makes the short lists of pairs within the inner skin, the list of their spheres and the index of

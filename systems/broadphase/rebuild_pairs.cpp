@@ -39,8 +39,8 @@ bool order_rows(World& world, bool sort) {
     sphere_order.reserve(spheres.size());
     for (const Row b : order)
         for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) sphere_order.push_back(k);
-    bodies.permute(order);
-    spheres.permute(sphere_order);
+    bodies.keep(order);
+    spheres.keep(sphere_order);
     return true;
 }
 
@@ -91,22 +91,22 @@ void invalidate_lists(World& world) {
     world.resource<MotionColumns>() = {}; // what was changed from outside is current
 }
 
-void review_candidates(const Slab&, World& world) {
-    auto& state = world.resource<ListState>();
-    if (state.stale || !lists_are_due(world)) return;
-    state.skins_are_chosen = detail::choose_inner_skins(world);
-    state.stale = !state.skins_are_chosen;
+void review_lists(const Slab&, World& world) {
+    if (lists_are_due(world)) world.resource<ListState>().note_used_up();
 }
 
-void note_widest_skin(const Slab&, World& world) {
+void review_candidates(const Slab&, World& world) {
     auto& state = world.resource<ListState>();
-    if (state.stale) state.widest_skin = detail::widest_skin(world);
+    if (!state.used_up) return;
+    state.skins_are_chosen = !state.stale && detail::choose_inner_skins(world);
+    state.stale = !state.skins_are_chosen;
+    if (state.stale) detail::choose_outer_skins(world);
 }
 
 void survey(World& world) {
     detail::find_runs(world);
     take_census(world);
-    world.resource<ListState>().widest_skin = detail::widest_skin(world);
+    detail::choose_outer_skins(world);
 }
 
 void rebuild_pairs(World& world) {

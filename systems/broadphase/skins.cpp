@@ -6,16 +6,20 @@
 #include "components/laws/partial_step.hpp"
 #include "components/membrane.hpp"
 #include "components/pair.hpp"
+#include "components/slab.hpp"
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
 #include "engine/parallel.hpp"
+#include "engine/ranks.hpp"
 #include "systems/broadphase/sphere_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
 #include <span>
+#include <utility>
 
 namespace bris::detail {
 
@@ -47,23 +51,31 @@ double largest_of_bodies(std::size_t bodies, Value&& value) {
     return most.empty() ? 0 : *std::ranges::max_element(most);
 }
 
+/// Sums over all ranks where a world is divided: all ranks choose the same skins.
+void sum_over_ranks(const World& world, std::span<double> sums) {
+    if (world.has_resource<Slab>()) Ranks::sum(sums);
+}
+
 /// Mean of value(row) over the bodies with spheres; 0 if there is none.
 template <class Value>
-double mean_of_grains(const Table& bodies, Value&& value) {
+double mean_of_grains(const World& world, Value&& value) {
+    const Table& bodies = world.table<Bodies>();
     const auto spheres = bodies.column<SpheresOf>();
+    const Ghosts ghosts(bodies); // count on their own ranks
     const auto over_grains = [&](auto&& of) {
-        return sum_over_bodies(bodies.size(),
-                               [&](Row b) { return spheres[b].count > 0 ? of(b) : 0.0; });
+        return sum_over_bodies(
+            bodies.size(), [&](Row b) { return spheres[b].count > 0 && !ghosts[b] ? of(b) : 0.0; });
     };
-    const double count = over_grains([](Row) { return 1.0; });
-    return count > 0 ? over_grains(value) / count : 0;
+    std::array<double, 2> sums{over_grains([](Row) { return 1.0; }), over_grains(value)};
+    sum_over_ranks(world, sums);
+    return sums[0] > 0 ? sums[1] / sums[0] : 0;
 }
 
 void choose_mean_skins(const World& world, ListSettings& settings) {
     if (settings.outer_skin > 0 && settings.inner_skin > 0 && settings.largest_skin > 0) return;
     const Table& bodies = world.table<Bodies>();
     const auto radius = bodies.column<BoundingRadius>();
-    const double of_grains = mean_of_grains(bodies, [&](Row b) { return radius[b]; }),
+    const double of_grains = mean_of_grains(world, [&](Row b) { return radius[b]; }),
                  mean = of_grains > 0 ? of_grains : 1;
     // with a larger skin the number of candidates grows faster than the time for which they serve;
     // for clumps this limit is lower, because their bounding spheres contain many spheres
@@ -86,18 +98,32 @@ double change_of_skin(double making, double carrying) {
 // The skins are adapted to counts of work in units of the test of one near pair, measured on beds
 // of spheres and of clumps.
 
-void tune_inner_skin(const World& world, ListSettings& settings, const ListState& state) {
-    const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
+/// Counts of the work of the lists.
+struct Counts {
+    double pairs = 0, near = 0, touching = 0, listed = 0, spheres = 0;
+};
+
+Counts counts_of_lists(const World& world) {
     const auto& index = world.resource<NearIndex<SpherePairs>>();
-    if (!settings.tune || state.prunes == 0 || steps == 0 || index.size() == 0) return;
     std::size_t touching = 0;
     for (const std::uint8_t flags : index.touching)
         touching += static_cast<std::size_t>(std::popcount(flags));
-    const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
-    const auto spheres = static_cast<double>(world.table<Listed>().size());
-    const double making = (8 * pairs + 10 * spheres) / steps;
-    const double carrying =
-        3 * static_cast<double>(index.size() - std::min(touching, index.size()));
+    std::array<std::size_t, 5> counts{world.table<SpherePairs>().size(), index.size(),
+                                      std::min(touching, index.size()),
+                                      world.table<Listed>().size(), world.table<Spheres>().size()};
+    std::array<double, 5> sums{};
+    std::ranges::copy(counts, sums.begin());
+    sum_over_ranks(world, sums);
+    return {sums[0], sums[1], sums[2], sums[3], sums[4]};
+}
+
+void tune_inner_skin(const World& world, ListSettings& settings, const ListState& state) {
+    const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
+    if (!settings.tune || state.prunes == 0 || steps == 0) return;
+    const Counts count = counts_of_lists(world);
+    if (count.near == 0) return;
+    const double making = (8 * count.pairs + 10 * count.listed) / steps;
+    const double carrying = 3 * (count.near - count.touching);
     settings.inner_skin =
         std::min(settings.inner_skin * change_of_skin(making, carrying), settings.largest_skin / 2);
     settings.outer_skin =
@@ -106,14 +132,13 @@ void tune_inner_skin(const World& world, ListSettings& settings, const ListState
 
 /// To be called when the candidates are no longer complete.
 void tune_outer_skin(const World& world, ListSettings& settings, const ListState& state) {
-    const auto near = world.resource<NearIndex<SpherePairs>>().size();
     const auto prunes = static_cast<double>(state.prunes - state.prunes_at_rebuild);
-    if (!settings.tune || near == 0 || prunes == 0) return;
+    if (!settings.tune || prunes == 0) return;
+    const Counts count = counts_of_lists(world);
+    if (count.near == 0) return;
     // what a rebuild costs per pair does not count, because the number of pairs grows with the skin
-    const auto pairs = static_cast<double>(world.table<SpherePairs>().size()),
-               spheres = static_cast<double>(world.table<Spheres>().size());
-    const double rebuilding = 130 * spheres, pruning = 8 * (pairs - static_cast<double>(near)) *
-                                                       prunes; // while the candidates served
+    const double rebuilding = 130 * count.spheres,
+                 pruning = 8 * (count.pairs - count.near) * prunes; // while the candidates served
     settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(rebuilding, pruning),
                                      2 * settings.inner_skin, settings.largest_skin);
 }
@@ -153,19 +178,20 @@ double least_skin(const World& world) {
         skin = std::max(skin, (1 + 1e-6) * CorrectionOfEnd::largest_gap * fastest *
                                   world.resource<Clock>().dt);
     }
-    return skin;
+    return world.has_resource<Slab>() ? Ranks::largest(skin) : skin;
 }
 
 /// Skins that new lists should have. A body of mean speed has half the skin of a pair.
 class WantedSkins {
 public:
-    explicit WantedSkins(const World& world)
+    WantedSkins(const World& world, double least)
         : speed_(world.column<Bodies, SurfaceSpeed>()),
-          mean_(mean_of_grains(world.table<Bodies>(), [&](Row b) { return speed_[b]; })),
-          settings_(world.resource<ListSettings>()), least_(least_skin(world)) {}
+          mean_(mean_of_grains(world, [&](Row b) { return speed_[b]; })),
+          settings_(world.resource<ListSettings>()), least_(least) {}
     double inner(Row b) const { return skin(b, settings_.inner_skin, settings_.largest_skin / 2); }
-    double outer(Row b) const { return skin(b, settings_.outer_skin, settings_.largest_skin); }
-    double least() const { return least_; }
+    double outer(Row b) const {
+        return std::max(skin(b, settings_.outer_skin, settings_.largest_skin), inner(b));
+    }
 
 private:
     double skin(Row b, double of_pair, double most) const {
@@ -233,35 +259,39 @@ bool choose_inner_skins(World& world) {
     measure_speeds(world);
     Table& bodies = world.table<Bodies>();
     const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
-    const WantedSkins wanted(world);
+    const double least = least_skin(world);
+    const WantedSkins wanted(world, least);
     const SinceRebuild since(world);
     std::atomic<bool> complete = true;
     for_rows(bodies.size(), [&](Row b) {
         const double left = outer[b] - since[b], want = wanted.inner(b);
         inner[b] = std::min(want, left);
-        if (!(left >= std::max(0.5 * want, wanted.least()))) complete = false;
+        if (!(left >= std::max(0.5 * want, least))) complete = false;
     });
-    if (!complete) tune_outer_skin(world, settings, world.resource<ListState>());
-    return complete;
+    if (world.has_resource<Slab>()) complete = !Ranks::any(!complete);
+    if (complete) return true;
+    auto& state = world.resource<ListState>();
+    if (!std::exchange(state.brief, false)) tune_outer_skin(world, settings, state);
+    return false;
+}
+
+void choose_outer_skins(World& world) {
+    choose_mean_skins(world, world.resource<ListSettings>());
+    const auto outer = world.column<Bodies, OuterSkin>();
+    const WantedSkins wanted(world, least_skin(world));
+    for_rows(outer.size(), [&](Row b) { outer[b] = wanted.outer(b); });
 }
 
 void choose_skins(World& world) {
-    choose_mean_skins(world, world.resource<ListSettings>());
     Table& bodies = world.table<Bodies>();
+    if (!bodies.has<Ghost>()) choose_outer_skins(world);
     const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
-    const WantedSkins wanted(world);
-    const double most = world.resource<ListSettings>().widest_skin;
+    const WantedSkins wanted(world, least_skin(world));
+    const bool brief = world.resource<ListState>().brief;
     for_rows(bodies.size(), [&](Row b) {
-        inner[b] = std::min(wanted.inner(b), most);
-        outer[b] = std::min(std::max(wanted.outer(b), inner[b]), most);
+        inner[b] = std::min(wanted.inner(b), outer[b]);
+        if (brief) outer[b] = inner[b];
     });
-}
-
-double widest_skin(World& world) {
-    choose_mean_skins(world, world.resource<ListSettings>());
-    const WantedSkins wanted(world);
-    return largest_of_bodies(world.table<Bodies>().size(),
-                             [&](Row b) { return std::max(wanted.outer(b), wanted.inner(b)); });
 }
 
 } // namespace bris::detail

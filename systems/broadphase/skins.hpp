@@ -7,17 +7,20 @@ namespace bris::detail {
 
 // Skins of bodies. The faster a body is, the larger are its skins, so that one body that flies
 // among others at rest does not make the lists of all of them longer, or serve for fewer steps. The
-// skins of bodies of mean speed are adapted to counts of work. Any skins give the same bits.
+// skins of bodies of mean speed are adapted to counts of work. Any skins give the same bits. Where
+// a world is divided, all ranks choose skins in the same steps, and the same ones.
 
 /// Chooses inner skins for new short lists. Returns whether the candidates, found with the present
 /// outer skins, contain all pairs within them.
 bool choose_inner_skins(World& world);
 
-/// Chooses the inner and outer skins for new candidates and new short lists.
-void choose_skins(World& world);
+/// Chooses the outer skins for new candidates.
+void choose_outer_skins(World& world);
 
-/// Largest skin (m) that `choose_skins` would choose without the limit ListSettings::widest_skin.
-double widest_skin(World& world);
+/// Chooses the inner and outer skins for new candidates and new short lists. Where a world is
+/// divided, the outer ones have been chosen before, because they determine of which bodies a rank
+/// has ghosts.
+void choose_skins(World& world);
 
 /// Gap (m) beyond the sum of the skins of sphere and facet within which facets must be listed. What
 /// holds a sphere goes from one facet to the next beyond touch, so facets must be listed before

@@ -78,7 +78,7 @@ void pack(const Table& table, std::span<const Row> rows, Ranks::Bytes& bytes) {
     const std::uint64_t count = rows.size();
     append(&count, sizeof count);
     for (const auto& column : table.columns()) {
-        if (!column->type().is_state) continue;
+        if (!column->type().is_carried) continue;
         const std::size_t width = column->type().value_size, at = bytes.size();
         bytes.resize(at + rows.size() * width);
         for (std::size_t i = 0; i < rows.size(); ++i)
@@ -95,7 +95,7 @@ public:
         const std::size_t count = number(), first = table.size();
         table.resize(first + count);
         for (const auto& column : table.columns())
-            if (const auto& type = column->type(); type.is_state)
+            if (const auto& type = column->type(); type.is_carried)
                 std::memcpy(column->bytes() + first * type.value_size,
                             take(count * type.value_size), count * type.value_size);
     }
@@ -105,14 +105,14 @@ public:
         std::vector<const std::byte*> from; // of each State column
         std::vector<EntityId> ids(count);
         for (const auto& column : table.columns()) {
-            if (!column->type().is_state) continue;
+            if (!column->type().is_carried) continue;
             from.push_back(take(count * column->type().value_size));
             if (column->type().is_key)
                 std::memcpy(ids.data(), from.back(), count * sizeof(EntityId));
         }
         auto next = from.begin();
         for (const auto& column : table.columns()) {
-            if (!column->type().is_state) continue;
+            if (!column->type().is_carried) continue;
             const std::size_t width = column->type().value_size;
             for (std::size_t i = 0; i < count; ++i)
                 std::memcpy(column->bytes() + row_of[ids[i]] * width, *next + i * width, width);
@@ -135,16 +135,6 @@ private:
     const Ranks::Bytes& bytes_;
     std::size_t at_ = 0;
 };
-
-void keep_rows(Table& table, std::vector<Row> kept) {
-    const std::size_t count = kept.size();
-    std::vector<bool> is_kept(table.size(), false);
-    for (const Row r : kept) is_kept[r] = true;
-    for (Row r = 0; r < table.size(); ++r)
-        if (!is_kept[r]) kept.push_back(r);
-    table.permute(kept);
-    table.resize(count);
-}
 
 std::vector<Row> bodies_of(const World& world, bool with_spheres) {
     const auto ids = world.column<Bodies, BodyId>();
@@ -204,12 +194,11 @@ std::vector<Row> boundaries_of(const World& world) { return bodies_of(world, fal
 std::vector<Row> grains_of(const World& world) { return bodies_of(world, true); }
 
 void keep_bodies(World& world, std::span<const Row> bodies) {
-    std::vector<Row> kept = with_boundaries(world, bodies);
-    for_pair_tables(world, [&]<class Pairs>() {
-        keep_rows(world.table<Pairs>(), pairs_of<Pairs>(world, bodies));
-    });
-    keep_rows(world.table<Spheres>(), spheres_of(world, bodies));
-    keep_rows(world.table<Bodies>(), std::move(kept));
+    const std::vector<Row> kept = with_boundaries(world, bodies);
+    for_pair_tables(
+        world, [&]<class Pairs>() { world.table<Pairs>().keep(pairs_of<Pairs>(world, bodies)); });
+    world.table<Spheres>().keep(spheres_of(world, bodies));
+    world.table<Bodies>().keep(kept);
 }
 
 World copy_of_bodies(const World& whole, std::span<const Row> bodies) {

@@ -91,9 +91,14 @@ std::vector<double> even_cuts(const Work& work, unsigned ranks) {
     return cuts;
 }
 
-Reach::Reach(const World& world, const Slab& slab)
-    : radius_(world.column<Bodies, BoundingRadius>()), census_(world.resource<Census>()),
-      slab_(slab) {}
+void add_to_outlines(Slab& slab, const World& world, std::span<const std::uint32_t> ghost) {
+    const auto position = world.column<Bodies, Position>();
+    const Reach reach(world);
+    for_grains(world, ghost, [&](Row b) {
+        const Vec3& x = position[b];
+        slab.outlines.add(slab.owner_of(x[slab.axis]), x, reach[b]);
+    });
+}
 
 void mark_ghosts(World& part) {
     const Slab& slab = part.resource<Slab>();

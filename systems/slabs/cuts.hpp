@@ -1,6 +1,7 @@
 #pragma once
 
-#include "components/census.hpp"
+#include "components/body.hpp"
+#include "components/kinds.hpp"
 #include "components/slab.hpp"
 #include "engine/world.hpp"
 
@@ -29,20 +30,19 @@ Work work_of_ranks(const World& part, int axis);
 /// Cuts of slabs with nearly equal work; ranks + 1, of which the outer ones are infinite.
 std::vector<double> even_cuts(const Work& work, unsigned ranks);
 
-/// Distance (m) from a slab within which a body may touch one of the slab before new lists are
-/// made.
-inline double reach_of(double radius, const Census& census, const Slab& slab) {
-    return (1 + 1e-9) * (radius + census.largest_radius + 2 * slab.widest_skin);
-}
+/// Adds the bodies with spheres of a world to the outlines of their slabs. `ghost`: as above.
+void add_to_outlines(Slab& slab, const World& world, std::span<const std::uint32_t> ghost);
+
+/// Bounding radius and outer skin (m) of each body.
 class Reach {
 public:
-    Reach(const World& world, const Slab& slab);
-    double operator[](Row b) const { return reach_of(radius_[b], census_, slab_); }
+    explicit Reach(const World& world)
+        : radius_(world.column<Bodies, BoundingRadius>()),
+          skin_(world.column<Bodies, OuterSkin>()) {}
+    double operator[](Row b) const { return radius_[b] + skin_[b]; }
 
 private:
-    std::span<const double> radius_;
-    const Census& census_;
-    const Slab& slab_;
+    std::span<const double> radius_, skin_;
 };
 
 /// Marks the bodies with spheres whose centres lie in other slabs.

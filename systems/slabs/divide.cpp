@@ -7,25 +7,22 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace bris {
 
-unsigned most_slabs(const World& world) {
+namespace {
+
+/// Corners of the box of the centres of all bodies with spheres.
+std::pair<Vec3, Vec3> box_of_grains(const World& world) {
     const auto position = world.column<Bodies, Position>();
-    const auto radius = world.column<Bodies, BoundingRadius>();
-    double largest = 0;
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const Row b : detail::grains_of(world)) {
-        largest = std::max(largest, radius[b]);
         low = low.cwiseMin(position[b]);
         high = high.cwiseMax(position[b]);
     }
-    if (!(largest > 0)) return 1;
-    const double length = (high - low).maxCoeff() + 2 * largest;
-    return std::max(1u, static_cast<unsigned>(length / (4 * largest)));
+    return {low, high};
 }
-
-namespace {
 
 /// Tables of boundaries and elements are the same on all ranks, and none of their rows move.
 void copy_boundaries(const World& part, World& whole) {
@@ -48,12 +45,24 @@ Slab slab_of_this_rank(const World& whole) {
     Slab slab;
     slab.rank = Ranks::rank();
     slab.axis = detail::longest_axis(whole);
-    slab.widest_skin = whole.resource<ListState>().widest_skin;
     slab.cuts = detail::even_cuts(detail::work_along(whole, slab.axis, {}), Ranks::size());
+    const auto [low, high] = box_of_grains(whole);
+    slab.outlines = Outlines(Ranks::size(), slab.axis, low, high);
+    detail::add_to_outlines(slab, whole, {});
     return slab;
 }
 
 } // namespace
+
+unsigned most_slabs(const World& world) {
+    const auto radius = world.column<Bodies, BoundingRadius>();
+    double largest = 0;
+    for (const Row b : detail::grains_of(world)) largest = std::max(largest, radius[b]);
+    if (!(largest > 0)) return 1;
+    const auto [low, high] = box_of_grains(world);
+    const double length = (high - low).maxCoeff() + 2 * largest;
+    return std::max(1u, static_cast<unsigned>(length / (4 * largest)));
+}
 
 std::vector<unsigned> ranks_of_bodies(const World& whole) {
     const Slab slab = slab_of_this_rank(whole);
@@ -67,17 +76,16 @@ World take_slab(const World& whole) {
     Slab slab = slab_of_this_rank(whole);
     std::vector<Row> here;
     const auto position = whole.column<Bodies, Position>();
-    const detail::Reach reach(whole, slab);
+    const detail::Reach reach(whole);
     const auto run = whole.column<Bodies, SpheresOf>();
     for (Row b = 0; b < run.size(); ++b)
-        if (run[b].count > 0 && slab.is_near(position[b][slab.axis], reach[b], slab.rank))
-            here.push_back(b);
+        if (run[b].count > 0 && slab.needs(slab.rank, position[b], reach[b])) here.push_back(b);
     World part = detail::copy_of_bodies(whole, here);
-    part.resource<ListSettings>().widest_skin = slab.widest_skin;
     part.table<Bodies>().add<Ghost>();
     part.add_resource(std::move(slab));
     detail::mark_ghosts(part);
     part.resource<ListState>().stale = true;
+    part.resource<ListState>().brief = false;
     return part;
 }
 
@@ -99,6 +107,7 @@ void give_back(const World& part, World& whole) {
         if (!held->changes_in_whole_steps_only) held->load(resources);
     whole.resource<Health>() = part.resource<Health>();
     whole.resource<ListState>().stale = true;
+    whole.resource<ListState>().brief = true;
 }
 
 } // namespace bris

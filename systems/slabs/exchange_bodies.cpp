@@ -25,26 +25,29 @@ void share_trouble(Health& health) {
 } // namespace
 
 void agree_on_lists(const Slab&, ListState& lists, Health& health) {
-    std::array<std::int64_t, 2> found{lists.stale ? 1 : 0, health.bad ? 1 : 0};
+    std::array<double, 3> found{lists.used_up ? 1.0 : 0.0, lists.stale ? 1.0 : 0.0,
+                                health.bad ? 1.0 : 0.0};
     Ranks::largest(found);
-    lists.stale = found[0] != 0;
-    if (found[1] != 0) share_trouble(health);
+    lists.used_up = found[0] > 0;
+    lists.stale = found[1] > 0;
+    if (found[2] > 0) share_trouble(health);
 }
 
 void exchange_bodies(Slab& slab, World& world) {
     if (!world.resource<ListState>().stale || world.resource<Health>().bad) return;
-    slab.widest_skin = Ranks::largest(world.resource<ListState>().widest_skin);
-    world.resource<ListSettings>().widest_skin = slab.widest_skin;
     slab.cuts = detail::even_cuts(detail::work_of_ranks(world, slab.axis),
                                   static_cast<unsigned>(slab.cuts.size() - 1));
     const auto ghost = world.column<Bodies, Ghost>();
+    slab.outlines.clear();
+    detail::add_to_outlines(slab, world, ghost);
+    Ranks::largest(slab.outlines.extents());
     const auto run = world.column<Bodies, SpheresOf>();
     const auto position = world.column<Bodies, Position>();
-    const detail::Reach reach(world, slab);
+    const detail::Reach reach(world);
     std::vector<std::vector<Row>> near(slab.cuts.size() - 1); // own bodies, by rank
     for (Row b = 0; b < run.size(); ++b)
         for (unsigned r = 0; ghost[b] == 0 && run[b].count > 0 && r < near.size(); ++r)
-            if (slab.is_near(position[b][slab.axis], reach[b], r)) near[r].push_back(b);
+            if (slab.needs(r, position[b], reach[b])) near[r].push_back(b);
     std::vector<Ranks::Bytes> to(near.size());
     for (unsigned r = 0; r < near.size(); ++r)
         if (r != slab.rank && !near[r].empty()) to[r] = detail::pack_bodies(world, near[r]);

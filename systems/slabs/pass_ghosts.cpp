@@ -1,5 +1,4 @@
 #include "engine/ranks.hpp"
-#include "systems/slabs/cuts.hpp"
 #include "systems/slabs/slabs.hpp"
 
 #include <algorithm>
@@ -42,24 +41,24 @@ void pass_columns(const BodyRows& bodies, Slab& slab) {
 
 } // namespace
 
-void list_ghosts(
-    Rows<Bodies, const BodyId, const Position, const BoundingRadius, const SpheresOf, const Ghost>
-        bodies,
-    const Census& census, const ListState& lists, const Clock& clock, Slab& slab) {
+void list_ghosts(Rows<Bodies, const BodyId, const Position, const BoundingRadius, const OuterSkin,
+                      const SpheresOf, const Ghost>
+                     bodies,
+                 const ListState& lists, const Clock& clock, Slab& slab) {
     if (lists.last_rebuild != clock.step) return;
     const EntityId* id = bodies.column<BodyId>();
     const Vec3* position = bodies.column<Position>();
-    const double* radius = bodies.column<BoundingRadius>();
+    const double *radius = bodies.column<BoundingRadius>(), *skin = bodies.column<OuterSkin>();
     const SphereRun* run = bodies.column<SpheresOf>();
     const std::uint32_t* ghost = bodies.column<Ghost>();
     std::vector<GhostRows> with(slab.cuts.size() - 1);
     slab.first_ghost = static_cast<Row>(std::find(ghost, ghost + bodies.size(), 1u) - ghost);
     for (Row b = 0; b < bodies.size(); ++b) {
         if (run[b].count == 0) continue;
-        const double x = position[b][slab.axis], reach = detail::reach_of(radius[b], census, slab);
-        if (ghost[b] != 0) with[slab.owner_of(x)].receive.push_back(b);
+        if (ghost[b] != 0) with[slab.owner_of(position[b][slab.axis])].receive.push_back(b);
         for (unsigned r = 0; ghost[b] == 0 && r < with.size(); ++r)
-            if (r != slab.rank && slab.is_near(x, reach, r)) with[r].send.push_back(b);
+            if (r != slab.rank && slab.needs(r, position[b], radius[b] + skin[b]))
+                with[r].send.push_back(b);
     }
     slab.ghosts.clear();
     for (unsigned r = 0; r < with.size(); ++r) {

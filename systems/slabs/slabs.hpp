@@ -29,8 +29,8 @@ namespace bris {
 unsigned most_slabs(const World& world);
 
 /// This rank's part of a world that all ranks have: the bodies of its slab, ghosts, and all
-/// boundaries. The slabs hold equal numbers of spheres. `SpheresOf`, `Census` and the widest skin
-/// of `ListState` must be up to date.
+/// boundaries. The slabs hold equal numbers of spheres. `SpheresOf`, `Census` and `OuterSkin` must
+/// be up to date (survey).
 World take_slab(const World& whole);
 
 /// The rank in whose slab each body of a whole world lies if it is divided now, by row.
@@ -39,8 +39,8 @@ std::vector<unsigned> ranks_of_bodies(const World& whole);
 /// Writes the State of all parts back into the whole world of each rank.
 void give_back(const World& part, World& whole);
 
-/// At the end of a step: if the candidate pairs of one rank are used up, all ranks make new ones in
-/// the next step. If the guard of one rank has found trouble, all stop.
+/// At the end of a step: if the lists of one rank are used up, all ranks make new ones in the next
+/// step, since the others would wait for it. If the guard of one rank has found trouble, all stop.
 void agree_on_lists(const Slab& slab, ListState& lists, Health& health);
 
 /// Before new candidates: cuts move so that the slabs have equal work, and ranks send each other
@@ -51,10 +51,10 @@ void exchange_bodies(Slab& slab, World& world);
 void share_census(const Slab& slab, const ListState& lists, const Clock& clock, Census& census);
 
 /// After new candidates: which rows are sent to, and received from, each other rank in each step.
-void list_ghosts(
-    Rows<Bodies, const BodyId, const Position, const BoundingRadius, const SpheresOf, const Ghost>
-        bodies,
-    const Census& census, const ListState& lists, const Clock& clock, Slab& slab);
+void list_ghosts(Rows<Bodies, const BodyId, const Position, const BoundingRadius, const OuterSkin,
+                      const SpheresOf, const Ghost>
+                     bodies,
+                 const ListState& lists, const Clock& clock, Slab& slab);
 
 /// Adds the forces on boundaries over all ranks, where they move a boundary or their work is
 /// wanted.

@@ -267,8 +267,7 @@ void complete_motion_in_trouble(MovedSpheres bodies, Places listed, const Alarm&
 
 void complete_motion_for_ranks(MovedSpheres bodies, Places listed, const Slab&,
                                const Health& health, MotionColumns& columns, ListState& lists) {
-    if (lists.used_up || lists.stale || health.bad)
-        complete_motion_of_step(bodies, listed, columns, lists);
+    if (lists.used_up || health.bad) complete_motion_of_step(bodies, listed, columns, lists);
 }
 
 void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,

@@ -63,7 +63,7 @@ TEST_SUITE("engine/state") {
         const Archive before = save_state(world);
         std::vector<Row> order(20);
         for (Row r = 0; r < 20; ++r) order[r] = (3 * r + 5) % 20;
-        world.table<Things>().permute(order);
+        world.table<Things>().keep(order);
         const Archive after = save_state(world);
         CHECK(fingerprint(before) == fingerprint(after));
         CHECK(after.get<std::uint32_t>("things/id").front() == 0);
@@ -78,7 +78,7 @@ TEST_SUITE("engine/state") {
         World world = world_of(20), other = world_of(3);
         std::vector<Row> order(20);
         for (Row r = 0; r < 20; ++r) order[r] = 19 - r;
-        world.table<Things>().permute(order);
+        world.table<Things>().keep(order);
         const Archive saved = save_state(world);
         load_state(other, saved);
         REQUIRE(other.table<Things>().size() == 20);

@@ -26,6 +26,10 @@ struct Heat : State<double> {
 struct Place : Derived<Vec3> {
     static constexpr auto name = "place", unit = "m";
 };
+struct Pace : Derived<double> {
+    static constexpr auto name = "pace", unit = "m";
+    static constexpr bool is_carried = true;
+};
 struct Record : Derived<std::array<double, 8>> {
     static constexpr auto name = "record", unit = "";
     static constexpr bool is_scratch = true;
@@ -69,12 +73,51 @@ TEST_SUITE("engine/table") {
         std::fill(table.column<Heat>().begin(), table.column<Heat>().end(), 3.0);
         std::vector<Row> reversed(n);
         for (Row r = 0; r < n; ++r) reversed[r] = n - 1 - r;
-        table.permute(reversed);
+        table.keep(reversed);
         table.resize(10);
         table.resize(n + 1000);
         const auto heat = table.column<Heat>();
         CHECK(std::count(heat.begin(), heat.end(), 3.0) == 10);
         CHECK(std::count(heat.begin(), heat.end(), 0.0) == n + 990);
+    }
+
+    TEST_CASE("some rows of a table are kept in the order asked for, and the others are gone") {
+        Table table("things");
+        table.add<Name>();
+        table.add<Place>();
+        table.resize(1000);
+        for (Row r = 0; r < 1000; ++r) {
+            table.column<Name>()[r] = r;
+            table.column<Place>()[r] = Vec3(r, 0, 1);
+        }
+        table.keep(std::vector<Row>{7, 999, 3});
+        REQUIRE(table.size() == 3);
+        CHECK(table.column<Name>()[1] == 999);
+        CHECK(table.column<Place>()[2] == Vec3(3, 0, 1));
+        table.resize(5);
+        CHECK(table.column<Name>()[2] == 3);
+        CHECK(table.column<Name>()[3] == 0);
+        CHECK(table.column<Place>()[4] == Vec3(0, 0, 0));
+        table.keep({});
+        CHECK(table.column<Name>().empty());
+    }
+
+    TEST_CASE("a copy of some rows has State and what is carried, and zeros for what is derived") {
+        Table table("things");
+        table.add<Name>();
+        table.add<Place>();
+        table.add<Pace>();
+        table.resize(20);
+        for (Row r = 0; r < 20; ++r) {
+            table.column<Name>()[r] = r;
+            table.column<Place>()[r] = Vec3(r, 0, 1);
+            table.column<Pace>()[r] = 0.5 * r;
+        }
+        const Table some(table, std::vector<Row>{4, 19});
+        REQUIRE(some.size() == 2);
+        CHECK(some.column<Name>()[1] == 19);
+        CHECK(some.column<Pace>()[1] == 9.5);
+        CHECK(some.column<Place>()[1] == Vec3(0, 0, 0));
     }
 
 #ifndef BRIS_SANITIZED // there, scratch is filled with what is not a number
@@ -87,7 +130,7 @@ TEST_SUITE("engine/table") {
         std::vector<Row> same(n);
         for (Row r = 0; r < n; ++r) same[r] = r;
         table.resize(n);
-        table.permute(same);
+        table.keep(same);
         table.resize(0);
         table.resize(n);
         CHECK(used_memory() - before < 32e6);
@@ -123,14 +166,14 @@ TEST_SUITE("engine/table") {
             new_to_old[r] = (7 * r + 11) % n; // a permutation, since 7 and 300 are coprime
         }
         for (Row r = 0; r < n; ++r) inverse[new_to_old[r]] = r;
-        table.permute(new_to_old);
+        table.keep(new_to_old);
         for (Row r = 0; r < n; ++r) {
             const Row old = new_to_old[r];
             REQUIRE(table.column<Name>()[r] == old);
             REQUIRE(table.column<Heat>()[r] == 0.5 * old);
             REQUIRE(table.column<Place>()[r] == Vec3(old, 2 * old, 3 * old));
         }
-        table.permute(inverse);
+        table.keep(inverse);
         for (Row r = 0; r < n; ++r) REQUIRE(table.column<Name>()[r] == r);
     }
 

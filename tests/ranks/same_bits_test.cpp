@@ -184,6 +184,28 @@ TEST_SUITE("ranks") {
         CHECK(divided.step() == 900);
     }
 
+    TEST_CASE(
+        "all ranks make new lists in the same steps, for none of them waits then, and lists of "
+        "the whole world for one step have no candidates that are not near") {
+        Simulation divided = begin(long_heap(Grains::clumps, Walls::planes, 120, 5), plain());
+        divided.advance_unseen(200);
+        REQUIRE(divided.part() != nullptr);
+        const std::uint64_t rebuilds = divided.part()->resource<ListState>().rebuilds;
+        std::uint64_t prunes = 0, last = 0;
+        for (int k = 0; k < 300; ++k) {
+            divided.advance_unseen(3);
+            const ListState& lists = divided.part()->resource<ListState>();
+            CHECK(Ranks::largest(static_cast<double>(lists.last_prune)) ==
+                  static_cast<double>(lists.last_prune));
+            if (std::exchange(last, lists.last_prune) != lists.last_prune) ++prunes;
+        }
+        CHECK(prunes > 5);
+        CHECK(prunes > divided.part()->resource<ListState>().rebuilds - rebuilds);
+        divided.look();
+        CHECK(divided.world().table<SpherePairs>().size() ==
+              divided.world().resource<NearIndex<SpherePairs>>().size());
+    }
+
     TEST_CASE("single spheres are moved and passed on by one system, with the same bits as by "
               "those that it combines") {
         BenchSettings settings = plain();

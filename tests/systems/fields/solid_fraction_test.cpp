@@ -125,7 +125,7 @@ TEST_SUITE("fields/solid_fraction") {
         World turned = world;
         std::vector<Row> order(60);
         for (Row k = 0; k < 60; ++k) order[k] = 59 - k;
-        turned.table<Bodies>().permute(order);
+        turned.table<Bodies>().keep(order);
         fields.emplace_back(lattice, 3);
         fields.back().update(turned);
         for (const SolidFraction& field : fields) CHECK(same_fields(field, fields[0]));
