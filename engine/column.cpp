@@ -125,10 +125,10 @@ void Column::resize(std::size_t rows) {
 }
 
 void Column::keep(std::span<const Row> rows) {
-    const std::size_t width = type_.value_size;
+    const std::size_t width = type_.value_size, before = size_;
     size_ = rows.size();
     if (type_.is_scratch) return spoil(bytes(), size_ * width);
-    Block moved(capacity_ * width, size_ * width);
+    Block moved(capacity_ * width, before * width); // as many rows are likely to follow
     for_chunks(size_, std::max<std::size_t>(bytes_per_chunk / width, 1),
                [&](std::size_t, std::size_t first, std::size_t last) {
                    for (std::size_t row = first; row < last; ++row)
