@@ -7,9 +7,10 @@
 
 namespace bris::detail {
 
-/// Number of near rows whose bodies, springs and sums fill a cache of some ten megabytes. With at
-/// most so many rows, prefetching costs more than it brings.
-inline constexpr std::size_t near_rows_in_cache = 65536;
+/// Number of near rows whose bodies, springs and sums fill a cache of some ten megabytes: of single
+/// spheres, and of clumps, whose springs lie among those of more candidates. With at most so many
+/// rows, prefetching costs more than it brings.
+inline constexpr std::size_t near_spheres_in_cache = 65536, near_rows_of_clumps_in_cache = 20000;
 
 /// Near rows whose touching pairs are listed before the law is applied to them.
 inline constexpr std::size_t near_rows_per_block = 4096;
@@ -116,7 +117,8 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
     };
     Sleepers sleepers(to, flags_of(index.awake), flags_of(index.look));
     Separated separated;
-    const bool far = index.size() > near_rows_in_cache;
+    const bool far =
+        index.size() > (index.centred ? near_spheres_in_cache : near_rows_of_clumps_in_cache);
     for (Row first = here.first; first < here.last; first += near_rows_per_block) {
         const Row last = std::min<Row>(first + near_rows_per_block, here.last);
         const std::size_t count =
