@@ -36,13 +36,14 @@ void add_to_outlines(Slab& slab, const World& world, std::span<const std::uint32
 /// Bounding radius and outer skin (m) of each body.
 class Reach {
 public:
+    Reach(const double* radius, const double* skin) : radius_(radius), skin_(skin) {}
     explicit Reach(const World& world)
-        : radius_(world.column<Bodies, BoundingRadius>()),
-          skin_(world.column<Bodies, OuterSkin>()) {}
+        : Reach(world.column<Bodies, BoundingRadius>().data(),
+                world.column<Bodies, OuterSkin>().data()) {}
     double operator[](Row b) const { return radius_[b] + skin_[b]; }
 
 private:
-    std::span<const double> radius_, skin_;
+    const double *radius_, *skin_;
 };
 
 /// Marks the bodies with spheres whose centres lie in other slabs.

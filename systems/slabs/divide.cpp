@@ -46,9 +46,6 @@ Slab slab_of_this_rank(const World& whole) {
     slab.rank = Ranks::rank();
     slab.axis = detail::longest_axis(whole);
     slab.cuts = detail::even_cuts(detail::work_along(whole, slab.axis, {}), Ranks::size());
-    const auto [low, high] = box_of_grains(whole);
-    slab.outlines = Outlines(Ranks::size(), slab.axis, low, high);
-    detail::add_to_outlines(slab, whole, {});
     return slab;
 }
 
@@ -74,6 +71,9 @@ std::vector<unsigned> ranks_of_bodies(const World& whole) {
 
 World take_slab(const World& whole) {
     Slab slab = slab_of_this_rank(whole);
+    const auto [low, high] = box_of_grains(whole);
+    slab.outlines = Outlines(Ranks::size(), slab.axis, low, high);
+    detail::add_to_outlines(slab, whole, {});
     std::vector<Row> here;
     const auto position = whole.column<Bodies, Position>();
     const detail::Reach reach(whole);

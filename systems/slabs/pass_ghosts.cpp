@@ -1,4 +1,5 @@
 #include "engine/ranks.hpp"
+#include "systems/slabs/cuts.hpp"
 #include "systems/slabs/slabs.hpp"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ void list_ghosts(Rows<Bodies, const BodyId, const Position, const BoundingRadius
     if (lists.last_rebuild != clock.step) return;
     const EntityId* id = bodies.column<BodyId>();
     const Vec3* position = bodies.column<Position>();
-    const double *radius = bodies.column<BoundingRadius>(), *skin = bodies.column<OuterSkin>();
+    const detail::Reach reach(bodies.column<BoundingRadius>(), bodies.column<OuterSkin>());
     const SphereRun* run = bodies.column<SpheresOf>();
     const std::uint32_t* ghost = bodies.column<Ghost>();
     std::vector<GhostRows> with(slab.cuts.size() - 1);
@@ -57,8 +58,7 @@ void list_ghosts(Rows<Bodies, const BodyId, const Position, const BoundingRadius
         if (run[b].count == 0) continue;
         if (ghost[b] != 0) with[slab.owner_of(position[b][slab.axis])].receive.push_back(b);
         for (unsigned r = 0; ghost[b] == 0 && r < with.size(); ++r)
-            if (r != slab.rank && slab.needs(r, position[b], radius[b] + skin[b]))
-                with[r].send.push_back(b);
+            if (r != slab.rank && slab.needs(r, position[b], reach[b])) with[r].send.push_back(b);
     }
     slab.ghosts.clear();
     for (unsigned r = 0; r < with.size(); ++r) {
