@@ -6,7 +6,9 @@
 #include "components/sphere.hpp"
 
 #include <algorithm>
+#include <compare>
 #include <cstddef>
+#include <numeric>
 #include <vector>
 
 namespace bris {
@@ -26,20 +28,18 @@ public:
         const auto names = world.template column<Pairs, PairKey>();
         const auto body = world.template column<Listed, ListedBody>();
         const auto for_bodies = [&](auto&& visit) {
-            index.for_touching([&](Row k) { visit(rows[near[k].pair].partner_body, k, true); });
-            index.for_touching([&](Row k) { visit(body[near[k].owner], k, false); });
+            index.for_touching([&](Row k) { visit(body[near[k].owner], k, nobody); });
+            index.for_touching([&](Row k) {
+                visit(rows[near[k].pair].partner_body, k, names[near[k].pair].owner);
+            });
         };
-        for_bodies([&](Row b, Row, bool) { ++first_[b + 1]; });
-        for (std::size_t b = 1; b < first_.size(); ++b) first_[b] += first_[b - 1];
+        for_bodies([&](Row b, Row, EntityId) { ++first_[b]; });
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
         contacts_.resize(first_.back());
-        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-        for_bodies([&](Row b, Row k, bool as_partner) {
-            contacts_[next[b]++] = {k, as_partner, as_partner ? names[near[k].pair].owner : nobody};
-        });
+        // from the last contact of each body to its first
+        for_bodies([&](Row b, Row k, EntityId owner) { contacts_[--first_[b]] = {owner, k}; });
         for (std::size_t b = 0; b + 1 < first_.size(); ++b)
-            std::stable_sort(contacts_.begin() + static_cast<std::ptrdiff_t>(first_[b]),
-                             contacts_.begin() + static_cast<std::ptrdiff_t>(first_[b + 1]),
-                             [](const Contact& x, const Contact& y) { return x.owner < y.owner; });
+            std::sort(contacts_.data() + first_[b], contacts_.data() + first_[b + 1]);
     }
 
     /// Calls visit(near row, whether the body is the partner) for the touching pairs of a body:
@@ -47,17 +47,17 @@ public:
     /// owns, in the order of their names. The order does not depend on rows.
     template <class Visit>
     void visit(Row body, Visit&& visit) const {
-        for (std::size_t c = first_[body]; c < first_[body + 1]; ++c)
-            visit(contacts_[c].near, contacts_[c].as_partner);
+        for (Row c = first_[body]; c < first_[body + 1]; ++c)
+            visit(contacts_[c].near, contacts_[c].owner != nobody);
     }
 
 private:
     struct Contact {
-        Row near;
-        bool as_partner;
         EntityId owner; ///< nobody for pairs that the body owns, so that these come last
+        Row near;
+        friend auto operator<=>(const Contact&, const Contact&) = default;
     };
-    std::vector<std::size_t> first_; ///< bodies + 1
+    std::vector<Row> first_; ///< bodies + 1
     std::vector<Contact> contacts_;
 };
 
