@@ -10,7 +10,7 @@ namespace bris {
 /// a row is the entity's current position in memory.
 using EntityId = std::uint32_t;
 
-/// Current position of an entity in its table; valid until the next rebuild of the pair lists.
+/// Current position of an entity in its table; valid until new pair lists are due.
 using Row = std::uint32_t;
 
 inline constexpr EntityId nobody = std::numeric_limits<EntityId>::max();

@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/exit_codes.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/message.hpp"
 
 #include <fmt/format.h>
 
@@ -41,11 +42,14 @@ bool runs() {
     return started != 0 && ended == 0;
 }
 
-/// Waits for messages. A rank that does not answer for a minute has hung or is lost: then all end,
-/// with one line.
+// What ranks say of their end, apart from the messages for which the others may still wait.
+MPI_Comm ending = MPI_COMM_NULL;
+
+/// Waits for messages. A rank that does not answer for three quarters of a minute has hung or is
+/// lost: then all end, with one line.
 void wait_for(std::vector<MPI_Request>& requests) {
     using Clock = std::chrono::steady_clock;
-    constexpr std::chrono::seconds patience{45}, patience_when_stopped{10};
+    constexpr std::chrono::seconds patience{45}, patience_when_stopped{12};
     const int count = static_cast<int>(requests.size());
     const auto began = Clock::now();
     for (std::uint64_t tries = 1;; ++tries) {
@@ -56,13 +60,26 @@ void wait_for(std::vector<MPI_Request>& requests) {
         if (tries % 65536 != 0) continue;               // some ten milliseconds
         const auto waited = Clock::now() - began;
         if (waited < (interrupted() ? patience_when_stopped : patience)) continue;
-        fmt::print(stderr,
-                   "rank {}: another rank has not answered for {} s: all ranks end; continue from "
-                   "the last "
-                   "checkpoint with --resume\n",
-                   Ranks::rank(), std::chrono::duration_cast<std::chrono::seconds>(waited).count());
+        say(fmt::format(
+            "rank {}: another rank has not answered for {} s: all ranks end; continue from the "
+            "last checkpoint with --resume",
+            Ranks::rank(), std::chrono::duration_cast<std::chrono::seconds>(waited).count()));
         RanksOfProgram::abort(static_cast<int>(ExitCode::failed));
     }
+}
+
+/// Whether all ranks come to this point within a time.
+bool all_come(MPI_Comm ranks, std::chrono::steady_clock::duration within) {
+    using Clock = std::chrono::steady_clock;
+    MPI_Request request;
+    MPI_Ibarrier(ranks, &request);
+    const auto began = Clock::now();
+    for (int done = 0; Clock::now() - began < within;
+         std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+        MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+        if (done != 0) return true;
+    }
+    return false;
 }
 
 void reduce(void* entries, std::size_t count, MPI_Datatype type, MPI_Op operation) {
@@ -127,6 +144,10 @@ void Ranks::pass(std::span<const Message> send, std::span<const Message> receive
     wait_for(requests);
 }
 
+void Ranks::meet() {
+    if (runs()) all_come(MPI_COMM_WORLD, std::chrono::steady_clock::duration::max());
+}
+
 std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) {
     const unsigned here = rank();
     std::vector<std::uint64_t> sent(to.size()), received(to.size());
@@ -157,6 +178,7 @@ RanksOfProgram::RanksOfProgram() {
         if (std::getenv(sign) != nullptr && !runs()) {
             int provided = 0;
             MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+            MPI_Comm_dup(MPI_COMM_WORLD, &ending);
             return;
         }
 }
@@ -165,18 +187,7 @@ RanksOfProgram::~RanksOfProgram() {
     if (runs()) MPI_Finalize();
 }
 
-bool RanksOfProgram::all_fail() {
-    using namespace std::chrono_literals;
-    if (!runs()) return true;
-    MPI_Request request;
-    MPI_Ibarrier(MPI_COMM_WORLD, &request);
-    const auto end = std::chrono::steady_clock::now() + 5s;
-    for (int done = 0; std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(10ms)) {
-        MPI_Test(&request, &done, MPI_STATUS_IGNORE);
-        if (done != 0) return true;
-    }
-    return false;
-}
+bool RanksOfProgram::all_fail() { return !runs() || all_come(ending, std::chrono::seconds(5)); }
 
 void RanksOfProgram::abort(int code) {
     if (runs()) MPI_Abort(MPI_COMM_WORLD, code);
@@ -192,6 +203,7 @@ void Ranks::sum(std::span<std::int64_t>) {}
 void Ranks::sum(std::span<double>) {}
 void Ranks::largest(std::span<double>) {}
 void Ranks::pass(std::span<const Message>, std::span<const Message>) {}
+void Ranks::meet() {}
 std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) { return to; }
 RanksOfProgram::RanksOfProgram() = default;
 RanksOfProgram::~RanksOfProgram() = default;
@@ -230,6 +242,7 @@ int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
     posix_spawnattr_t own_group;
     posix_spawnattr_init(&own_group);
     posix_spawnattr_setflags(&own_group, POSIX_SPAWN_SETPGROUP);
+    std::signal(SIGCHLD, SIG_DFL); // were it ignored, the exit code of the ranks would be lost
     pid_t child = 0;
     const int failed = posix_spawnp(&child, words[0], nullptr, &own_group, words.data(), environ);
     posix_spawnattr_destroy(&own_group);
@@ -243,9 +256,10 @@ int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     for (const auto& [known, meaning] : exit_codes)
         if (code == static_cast<int>(known)) return code;
-    throw SimulationError(fmt::format("a rank ended without a result (signal {}); continue from "
-                                      "the last checkpoint with --resume",
-                                      code - 128));
+    throw SimulationError(fmt::format("a rank ended without a result ({} {}); continue from the "
+                                      "last checkpoint with --resume",
+                                      code > 128 ? "signal" : "exit code",
+                                      code > 128 ? code - 128 : code));
 }
 
 double Ranks::largest(double here) {

@@ -36,6 +36,10 @@ public:
     /// What every rank gives, by rank, on all ranks.
     static std::vector<Bytes> share(const Bytes& here);
 
+    /// Waits until all ranks are here, however long one of them writes to a slow disk. (Waiting for
+    /// a message has an end: a rank that does not answer within 45 s has hung or is lost.)
+    static void meet();
+
     /// A message whose length both sides know.
     struct Message {
         unsigned rank; ///< of the other side
@@ -46,7 +50,7 @@ public:
 
     /// What this rank has sent since the program began.
     struct Traffic {
-        std::uint64_t messages = 0, bytes = 0; ///< to one other rank
+        std::uint64_t messages = 0, bytes = 0; ///< to one other rank, without lengths
         std::uint64_t reductions = 0;          ///< sums and largest numbers over all ranks
     };
     static const Traffic& traffic();

@@ -157,6 +157,7 @@ void Run::save_as(const std::string& name) const {
     checkpoint.state.put(position_path, std::span<const std::uint64_t>(position));
     for (const Kept& kept : kept_) kept.save(checkpoint.state);
     write_checkpoint(checkpoint_file(name), checkpoint);
+    Ranks::meet();
 }
 
 std::filesystem::path Run::file(const std::string& name, const std::string& extension) const {

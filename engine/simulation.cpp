@@ -35,7 +35,7 @@ void Simulation::advance_unseen(std::uint64_t steps) {
             }
         }
         if (part_ == nullptr) run(*world_, schedule_, std::exchange(owed_, 0), true);
-    } catch (...) {
+    } catch (const SimulationError&) { // of all ranks, unlike other errors
         owed_ = 0;
         look();
         throw;

@@ -23,8 +23,9 @@ bool positions_are_due(const World& world);
 void note_positions(World& world);
 
 /// Finds the candidate pairs within the outer skin and carries their springs over; every few
-/// rebuilds it first sorts the rows along a Morton curve. It does nothing more than update the
-/// sphere positions while the candidates are still complete. Only here do rows change.
+/// rebuilds it first sorts the rows along a Morton curve. While the candidates are still complete
+/// it only chooses the inner skins. Rows of bodies change only here and where ranks exchange
+/// bodies.
 void rebuild_pairs(World& world);
 
 /// At the end of a step, where a world is divided: notes whether the lists of this rank are used
@@ -33,7 +34,7 @@ void review_lists(const Slab& slab, World& world);
 /// Where those of any rank are: marks all of them as stale, and chooses the outer skins of new
 /// candidates, if the candidates of any rank do not suffice for the next step.
 void review_candidates(const Slab& slab, World& world);
-/// What must be known of a world before it is divided: spheres of bodies, census, outer skins.
+/// What must be known of a world before it is divided: spheres of bodies and outer skins.
 void survey(World& world);
 
 /// Makes the short lists of pairs within the inner skin, the list of their spheres and the index of

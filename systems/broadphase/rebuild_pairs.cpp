@@ -105,7 +105,6 @@ void review_candidates(const Slab&, World& world) {
 
 void survey(World& world) {
     detail::find_runs(world);
-    take_census(world);
     detail::choose_outer_skins(world);
 }
 

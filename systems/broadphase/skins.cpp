@@ -40,14 +40,14 @@ double sum_over_bodies(std::size_t bodies, Value&& value) {
     return sum;
 }
 
+/// Largest of value(row), which is not negative, of all rows.
 template <class Value>
-double largest_of_bodies(std::size_t bodies, Value&& value) {
-    std::vector<double> most((bodies + bodies_per_chunk - 1) / bodies_per_chunk);
-    for_chunks(bodies, bodies_per_chunk,
-               [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                   for (auto b = static_cast<Row>(first); b < last; ++b)
-                       most[chunk] = std::max(most[chunk], value(b));
-               });
+double largest_of_rows(std::size_t rows, Value&& value) {
+    std::vector<double> most((rows + bodies_per_chunk - 1) / bodies_per_chunk);
+    for_chunks(rows, bodies_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+        for (auto b = static_cast<Row>(first); b < last; ++b)
+            most[chunk] = std::max(most[chunk], value(b));
+    });
     return most.empty() ? 0 : *std::ranges::max_element(most);
 }
 
@@ -117,8 +117,16 @@ Counts counts_of_lists(const World& world) {
     return {sums[0], sums[1], sums[2], sums[3], sums[4]};
 }
 
+/// Number of steps for which the short lists have served, when the next ones are chosen: at the
+/// beginning of a step or, where a world is divided, at the end of the last one.
+double steps_served(const World& world) {
+    const std::uint64_t begun =
+        world.resource<Clock>().step - world.resource<ListState>().last_prune;
+    return static_cast<double>(begun + (world.has_resource<Slab>() ? 1 : 0));
+}
+
 void tune_inner_skin(const World& world, ListSettings& settings, const ListState& state) {
-    const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
+    const double steps = steps_served(world);
     if (!settings.tune || state.prunes == 0 || steps == 0) return;
     const Counts count = counts_of_lists(world);
     if (count.near == 0) return;
@@ -146,13 +154,13 @@ void tune_outer_skin(const World& world, ListSettings& settings, const ListState
 /// Updates the surface speeds of all bodies from their displacements since the last prune.
 void measure_speeds(World& world) {
     const ListState& state = world.resource<ListState>();
-    const std::uint64_t steps = world.resource<Clock>().step - state.last_prune;
+    const double steps = steps_served(world);
     if (steps == 0 || state.prunes == 0) return;
     Table& bodies = world.table<Bodies>();
     const auto displacement = bodies.column<DisplacementBound>();
     const auto speed = bodies.column<SurfaceSpeed>();
     const auto measure = [&](Row b, double gone) {
-        const double now = gone / static_cast<double>(steps);
+        const double now = gone / steps;
         speed[b] = now < 1e300 ? std::max(now, 0.5 * speed[b]) : 0; // the guard stops the run
     };
     for_rows(bodies.size(), [&](Row b) { measure(b, displacement[b]); });
@@ -173,7 +181,7 @@ double least_skin(const World& world) {
         const auto velocity = bodies.column<Velocity>(),
                    omega = bodies.column<StepAngularVelocity>();
         const auto radius = bodies.column<BoundingRadius>();
-        const double fastest = largest_of_bodies(
+        const double fastest = largest_of_rows(
             bodies.size(), [&](Row b) { return velocity[b].norm() + omega[b].norm() * radius[b]; });
         skin = std::max(skin, (1 + 1e-6) * CorrectionOfEnd::largest_gap * fastest *
                                   world.resource<Clock>().dt);
@@ -247,7 +255,7 @@ double reach_beyond_skin(const World& world) {
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
     if (!law.reaches) return 0;
     const auto ball = world.column<Spheres, LocalBall>();
-    const double radius = largest_of_bodies(ball.size(), [&](Row k) { return ball[k].radius; });
+    const double radius = largest_of_rows(ball.size(), [&](Row k) { return ball[k].radius; });
     // a pair at its very reach must not be lost to rounding
     return (1 + 1e-6) *
            largest_reach(world.resource<ContactLaw>().law, world.resource<Materials>(), radius);

@@ -15,17 +15,14 @@ inline constexpr std::size_t near_spheres_in_cache = 65536, near_rows_of_clumps_
 /// Near rows whose touching pairs are listed before the law is applied to them.
 inline constexpr std::size_t near_rows_per_block = 4096;
 
-/// Those of a group of eight near pairs that do not touch, but on which the law acts beyond touch,
-/// as bits.
+/// Those of the near pairs that are apart (bits) on which the law acts beyond touch.
 template <class Law, class Geometry>
-unsigned held(const TileTarget& to, const Geometry& geometry, std::size_t group,
-              unsigned touching) {
+unsigned held(const TileTarget& to, const Geometry& geometry, Row first, unsigned apart) {
     unsigned found = 0;
-    for (unsigned q = 0; q < 8; ++q) {
-        const NearEntry& near = to.near[group + q];
-        if (((touching >> q) & 1) == 0 &&
-            is_held<Law>(to, near, geometry.gap(near), geometry.radius(near)))
-            found |= 1u << q;
+    for (; apart != 0; apart &= apart - 1) {
+        const auto q = static_cast<Row>(__builtin_ctz(apart));
+        const NearEntry& near = to.near[first + q];
+        if (is_held<Law>(to, near, geometry.gap(near), geometry.radius(near))) found |= 1u << q;
     }
     return found;
 }
@@ -81,8 +78,9 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
         if (sleepers.skips(group)) continue;
         unsigned now = geometry.touching(to.near + row);
         if constexpr (lane_count == 4) now |= geometry.touching(to.near + row + 4) << 4;
-        if constexpr (Law::has_reach) now |= held<Law>(to, geometry, row, now);
-        if (last - row < 8) now &= (1u << (last - row)) - 1;
+        const unsigned here = last - row < 8 ? (1u << (last - row)) - 1 : 0xff;
+        now &= here; // springs of the next chunk may be written meanwhile
+        if constexpr (Law::has_reach) now |= held<Law>(to, geometry, row, here & ~now);
         if (row + 56 <= last) geometry.prefetch_positions(to.near + row + 48);
         now = sleepers.touching(group, now, flags[group]);
         const unsigned apart = flags[group] & ~now;

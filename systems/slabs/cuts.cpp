@@ -49,17 +49,6 @@ void fill(Work& work, const World& world, int axis, std::span<const std::uint32_
 
 } // namespace
 
-int longest_axis(const World& world) {
-    int axis = 0;
-    double longest = -1;
-    for (int a = 0; a < 3; ++a)
-        if (const Work work = extent_along(world, a, {}); work.high - work.low > longest) {
-            longest = work.high - work.low;
-            axis = a;
-        }
-    return axis;
-}
-
 Work work_along(const World& world, int axis, std::span<const std::uint32_t> ghost) {
     Work work = extent_along(world, axis, ghost);
     fill(work, world, axis, ghost);

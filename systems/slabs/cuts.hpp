@@ -17,9 +17,6 @@ struct Work {
     std::vector<std::int64_t> bins;
 };
 
-/// Axis (0 to 2) along which the centres of the bodies with spheres extend farthest.
-int longest_axis(const World& world);
-
 /// Work of the bodies of a world: the number of their spheres and of the near pairs that they own.
 /// `ghost`: bodies that do not count, by row; empty: all count.
 Work work_along(const World& world, int axis, std::span<const std::uint32_t> ghost);
@@ -33,7 +30,7 @@ std::vector<double> even_cuts(const Work& work, unsigned ranks);
 /// Adds the bodies with spheres of a world to the outlines of their slabs. `ghost`: as above.
 void add_to_outlines(Slab& slab, const World& world, std::span<const std::uint32_t> ghost);
 
-/// Bounding radius and outer skin (m) of each body.
+/// The sum of bounding radius and outer skin (m) of each body.
 class Reach {
 public:
     Reach(const double* radius, const double* skin) : radius_(radius), skin_(skin) {}

@@ -41,10 +41,11 @@ void copy_boundaries(const World& part, World& whole) {
     }
 }
 
-Slab slab_of_this_rank(const World& whole) {
+/// `extent`: m, of the box of grains, along whose longest side the world is divided.
+Slab slab_of_this_rank(const World& whole, const Vec3& extent) {
     Slab slab;
     slab.rank = Ranks::rank();
-    slab.axis = detail::longest_axis(whole);
+    extent.maxCoeff(&slab.axis);
     slab.cuts = detail::even_cuts(detail::work_along(whole, slab.axis, {}), Ranks::size());
     return slab;
 }
@@ -62,7 +63,8 @@ unsigned most_slabs(const World& world) {
 }
 
 std::vector<unsigned> ranks_of_bodies(const World& whole) {
-    const Slab slab = slab_of_this_rank(whole);
+    const auto [low, high] = box_of_grains(whole);
+    const Slab slab = slab_of_this_rank(whole, high - low);
     std::vector<unsigned> ranks;
     for (const Vec3& x : whole.column<Bodies, Position>())
         ranks.push_back(static_cast<unsigned>(slab.owner_of(x[slab.axis])));
@@ -70,8 +72,8 @@ std::vector<unsigned> ranks_of_bodies(const World& whole) {
 }
 
 World take_slab(const World& whole) {
-    Slab slab = slab_of_this_rank(whole);
     const auto [low, high] = box_of_grains(whole);
+    Slab slab = slab_of_this_rank(whole, high - low);
     slab.outlines = Outlines(Ranks::size(), slab.axis, low, high);
     detail::add_to_outlines(slab, whole, {});
     std::vector<Row> here;

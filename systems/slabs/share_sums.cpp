@@ -18,11 +18,12 @@ void share_census(const Slab&, const ListState& lists, const Clock& clock, Censu
                            [](std::int64_t n) { return static_cast<std::uint32_t>(n); });
 }
 
-void share_boundary_forces(Rows<Bodies, const MotionOf, const BodyId> bodies, const Census& census,
-                           const Slab&, BoundarySums& sums) {
+void share_boundary_forces(Rows<Bodies, const MotionOf, const AngularVelocity, const BodyId> bodies,
+                           const Census& census, const Slab&, BoundarySums& sums) {
     const auto* motion = bodies.column<MotionOf>();
+    const auto* spin = bodies.column<AngularVelocity>(); // of a drum, whose centre is fixed
     if (std::ranges::all_of(census.boundaries, [&](Row b) {
-            return motion[b] == static_cast<std::uint32_t>(Motion::fixed);
+            return motion[b] == static_cast<std::uint32_t>(Motion::fixed) && spin[b].isZero(0);
         }))
         return; // nobody reads them within a step
     // by id, since each rank sorts its rows as it likes

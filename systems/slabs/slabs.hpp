@@ -29,8 +29,7 @@ namespace bris {
 unsigned most_slabs(const World& world);
 
 /// This rank's part of a world that all ranks have: the bodies of its slab, ghosts, and all
-/// boundaries. The slabs hold equal numbers of spheres. `SpheresOf`, `Census` and `OuterSkin` must
-/// be up to date (survey).
+/// boundaries. The slabs have equal work. `SpheresOf` and `OuterSkin` must be up to date (survey).
 World take_slab(const World& whole);
 
 /// The rank in whose slab each body of a whole world lies if it is divided now, by row.
@@ -58,8 +57,8 @@ void list_ghosts(Rows<Bodies, const BodyId, const Position, const BoundingRadius
 
 /// Adds the forces on boundaries over all ranks, where they move a boundary or their work is
 /// wanted.
-void share_boundary_forces(Rows<Bodies, const MotionOf, const BodyId> bodies, const Census& census,
-                           const Slab& slab, BoundarySums& sums);
+void share_boundary_forces(Rows<Bodies, const MotionOf, const AngularVelocity, const BodyId> bodies,
+                           const Census& census, const Slab& slab, BoundarySums& sums);
 
 /// Adds the numbers of grains that touch a platen over all ranks.
 void share_platen_contacts(const Slab& slab, Platen& platen);

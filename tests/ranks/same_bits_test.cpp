@@ -239,6 +239,24 @@ TEST_SUITE("ranks") {
         }
     }
 
+    TEST_CASE("the work of walls that turn about a fixed centre is that of all contacts") {
+        const auto make = [] {
+            World world = long_heap(Grains::clumps, Walls::facets, 60, 8);
+            const auto mass = world.column<Bodies, Mass>();
+            for (Row b = 0; b < mass.size(); ++b)
+                if (!(mass[b] > 0)) world.column<Bodies, AngularVelocity>()[b] = Vec3(0, 0, 3);
+            return world;
+        };
+        BenchSettings settings = plain();
+        settings.energy_budget = true;
+        const Archive whole = undivided(make(), settings, 1200);
+        CHECK(std::ranges::count(whole.get<double>("bodies/boundary_work"), 0.0) <
+              static_cast<std::ptrdiff_t>(whole.find("bodies/boundary_work")->rows()));
+        Simulation divided = begin(make(), settings);
+        divided.advance(1200);
+        CHECK(difference(whole, divided.snapshot()) == "");
+    }
+
     TEST_CASE("a membrane feels the contacts of all ranks") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             CAPTURE(static_cast<int>(grains));

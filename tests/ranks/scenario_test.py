@@ -107,6 +107,16 @@ run("resumed", 2, duration="0.1")
 run("resumed", 3, "--resume", str(folder / "resumed"))
 assert fingerprint("resumed") == fingerprint("one"), "other bits after resuming"
 
+# one rank alone finds that it cannot write
+out = folder / "gone"
+process = subprocess.Popen([settle, "--spheres", "2000", "--duration", "5", "--ranks", "2", "--threads", "1", "--quiet", "--out", out], stderr=subprocess.PIPE, text=True)
+while not (out / "settle.vtkhdf").exists():
+    time.sleep(0.1)
+shutil.rmtree(out)
+out.touch()
+_, error = process.communicate(timeout=60)
+assert process.returncode == 4 and "cannot write" in error, (process.returncode, error)
+
 stop_one("killed", signal.SIGKILL, 2)
 stop_one("hanging", signal.SIGSTOP, 2)
 wrong = subprocess.run([settle, "--ranks", "0"], capture_output=True, text=True)
