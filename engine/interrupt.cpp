@@ -26,6 +26,10 @@ void catch_interrupts() {
     action.sa_flags = SA_RESTART; // a write in progress is completed and does not fail
     for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGXCPU})
         sigaction(signal, &action, nullptr);
+    // under nohup a run goes on when its terminal is closed
+    if (struct sigaction before{};
+        sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+        sigaction(SIGHUP, &action, nullptr);
     // a file beyond the limit of its size is an error of that write
     action.sa_handler = SIG_IGN;
     sigaction(SIGXFSZ, &action, nullptr);

@@ -2,8 +2,8 @@
 
 namespace bris {
 
-/// Makes SIGINT, SIGTERM, SIGUSR1 (which queueing systems send before the end of a job) and SIGXCPU
-/// (the limit of processor time is reached) request an orderly
+/// Makes SIGINT, SIGTERM, SIGHUP (the terminal is closed), SIGUSR1 (which queueing systems send
+/// before the end of a job) and SIGXCPU (the limit of processor time is reached) request an orderly
 /// stop instead of ending the process. A second SIGINT ends the process at once with exit code 130.
 /// A write beyond the limit of file sizes (SIGXFSZ) fails as one on a full disk does.
 void catch_interrupts();

@@ -286,7 +286,7 @@ std::string Options::nearest(const std::string& name) const {
 }
 
 void Options::read_config(const std::filesystem::path& file) {
-    std::istringstream in(read_whole(file));
+    std::istringstream in(read_text(file));
     std::string line;
     std::map<std::string, int> seen;
     for (int number = 1; std::getline(in, line); ++number) {
@@ -300,7 +300,8 @@ void Options::read_config(const std::filesystem::path& file) {
         std::replace(name.begin(), name.end(), '-', '_');
         if (text.size() > 1 && text.front() == '"' && text.back() == '"')
             text = text.substr(1, text.size() - 2);
-        const Option* option = name == "config" ? nullptr : find(name);
+        if (name == "config") reject(at, "no other configuration file", typed);
+        const Option* option = find(name);
         if (!option) {
             const std::string hint = nearest(name);
             reject(at, hint.empty() ? "the name of an option" : "an option such as " + hint, typed);

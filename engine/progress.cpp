@@ -124,19 +124,24 @@ struct Progress::State {
 
     void show() {
         if (style == Style::rewritten) {
-            fmt::print(out, "\r{}\033[K", line(terminal_width(out) - 1));
+            write(fmt::format("\r{}\033[K", line(terminal_width(out) - 1)));
             line_open = true;
         } else {
-            fmt::print(out, "{}\n", line(std::string::npos));
+            write(line(std::string::npos) + "\n");
         }
-        std::fflush(out);
     }
 
     void clear_line() {
         if (!line_open) return;
-        std::fputs("\r\033[K", out); // does not throw: it is called while errors are handled
-        std::fflush(out);
+        write("\r\033[K");
         line_open = false;
+    }
+
+    // does not throw: it is called while errors are handled, and a run goes on if nobody can see
+    // its progress
+    void write(const std::string& text) const {
+        std::fputs(text.c_str(), out);
+        std::fflush(out);
     }
 
     void end_run(Slot& slot) {

@@ -4,7 +4,7 @@
 #include "engine/exit_codes.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/memory.hpp"
-#include "engine/printable.hpp"
+#include "engine/message.hpp"
 #include "engine/ranks.hpp"
 #include "engine/version.hpp"
 
@@ -18,6 +18,7 @@
 #include <fcntl.h>
 #include <new>
 #include <sys/file.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 
@@ -49,7 +50,7 @@ int report(std::string name, std::string message, ExitCode code) {
     std::replace(message.begin(), message.end(), '\n', ' ');
     const bool first = Ranks::is_first();
     if (!first) name += fmt::format(", rank {}", Ranks::rank());
-    const auto print = [&] { fmt::print(stderr, "{}: {}\n", name, printable(message)); };
+    const auto print = [&] { say(fmt::format("{}: {}", name, message)); };
     if (first) print();
     if (RanksOfProgram::all_fail()) return static_cast<int>(code);
     // the other ranks do not know, and would wait for this one
@@ -73,6 +74,15 @@ void join_ranks(Common& common, unsigned wanted, const ScenarioInfo& info) {
     common.out = folder;
     if (std::freopen("/dev/null", "w", stdout) == nullptr)
         throw OutputError("cannot open /dev/null");
+}
+
+/// Where a standard stream is closed, the next file that is opened would take its place, and what
+/// is printed would go into that file. A stream that can be neither written nor read does so
+/// instead.
+void occupy_standard_streams() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (fcntl(stream, F_GETFD) == -1)
+            (void)open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
 void refuse_flag(const char* flag, bool given, const std::string& reason) {
@@ -175,7 +185,7 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
     require(common.assets.empty() || common.assets == assets_folder(),
             "--assets: expected on the command line, found in a configuration file");
     for (const std::string& warning : options.warnings())
-        fmt::print(stderr, "{}: warning: {}\n", info.name, printable(warning));
+        say(fmt::format("{}: warning: {}", info.name, warning));
     join_ranks(common, flags.ranks, info);
     if (common.threads == 0)
         common.threads = std::max(1u, std::thread::hardware_concurrency() / common.ranks);
@@ -214,10 +224,13 @@ void print_explanation(const std::string& text) {
 }
 
 int exit_code_of(const std::string& name, const std::function<void()>& body) {
+    occupy_standard_streams();
     const RanksOfProgram ranks;
     try {
         catch_interrupts();
         body();
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+            throw OutputError("cannot write to the standard output");
         return static_cast<int>(ExitCode::done);
     } catch (const InputError& error) {
         return report(name, error.what(), ExitCode::bad_input);
@@ -227,7 +240,7 @@ int exit_code_of(const std::string& name, const std::function<void()>& body) {
         return report(name, error.what(), ExitCode::io_failure);
     } catch (const Interrupted& stop) {
         return report(name, stop.what(), ExitCode::interrupted);
-    } catch (const std::filesystem::filesystem_error& error) {
+    } catch (const std::system_error& error) { // of a file, or of a closed standard output
         return report(name, error.what(), ExitCode::io_failure);
     } catch (const std::bad_alloc&) {
         return report(name, "out of memory", ExitCode::failed);

@@ -8,6 +8,7 @@
 #include "scenarios/assimilation/library_use.hpp"
 #include "scenarios/assimilation/material_estimate.hpp"
 #include "scenarios/recordings/machine_file.hpp"
+#include "scenarios/recordings/machine_quality_control.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -101,9 +102,22 @@ Summary card_of(const MaterialEstimate& e, const SpecimenLibrary& library) {
     return card;
 }
 
+/// The records of the test, without those that no machine can have measured. Throws InputError if
+/// strain or stress are refused; what else is left out is printed.
+std::vector<TriaxialPoint> checked_records(const CardRun& s) {
+    auto points = read_machine_file("--test", s.test, "--columns", s.columns);
+    for (const Finding& f : check_machine(points, s.pressure)) {
+        const bool needed = f.check == "axial_strain" || f.check == "deviatoric_stress_Pa";
+        require(!needed || f.kind == Finding::Kind::note,
+                fmt::format("--test: {}: {}: {}", s.test.string(), f.check, f.text));
+        fmt::print("Note: {}: {}\n", f.check, f.text);
+    }
+    return points;
+}
+
 void run(const CardRun& s, const Common& common) {
-    TestOfMaterial test{measured_test(read_machine_file("--test", s.test, "--columns", s.columns)),
-                        s.pressure, s.porosity, s.learning_strain > 0 ? s.learning_strain : 1};
+    TestOfMaterial test{measured_test(checked_records(s)), s.pressure, s.porosity,
+                        s.learning_strain > 0 ? s.learning_strain : 1};
     const SpecimenLibrary library = read_library(s.library);
     require(!library.specimens.empty(), "--library: expected specimens, found none");
     require_size(library, s.diameter);

@@ -2,6 +2,7 @@
 // a baseline and writes one page with the verdict.
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
+#include "engine/signal/fft.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
@@ -117,7 +118,10 @@ void check(const Monitor& m) {
     require(s.band_high > s.band_low,
             fmt::format("--band-low, --band-high: expected a band, found {:g} to {:g} Hz",
                         s.band_low, s.band_high));
-    (void)welch(std::vector<double>(s.segment, 0.0), 1, {.segment = s.segment}); // a fast length
+    require(is_fast_length(s.segment),
+            fmt::format("--segment: expected a number without other prime factors than 2, 3 and 5, "
+                        "such as {}, found {}",
+                        fast_length_for(s.segment), s.segment));
     require(m.stream.empty() || m.recordings.empty(),
             "--stream, --recordings: expected one of the two, found both");
     const bool given =

@@ -193,6 +193,9 @@ void run(const Network& given, const Common& common) {
     require(n.settings.packet_samples == std::floor(n.settings.packet_samples),
             fmt::format("--packet-samples: expected a whole number, found {:g}",
                         n.settings.packet_samples));
+    require(n.settings.contact_interval == 0 || n.settings.contact_interval >= 1,
+            fmt::format("--contact-interval: expected 0 (never) or at least 1 s, found {:g} s",
+                        n.settings.contact_interval));
     for (const auto& [link, name] :
          {std::pair{n.settings.rock_link, "rock"}, std::pair{n.settings.cloud_link, "cloud"}})
         require(link.interval == 0 || link.interval > link.outage,

@@ -43,7 +43,7 @@ public:
         : path_(path), known_(known) {}
 
     CsvForm read() {
-        std::istringstream in(read_whole(path_));
+        std::istringstream in(read_text(path_));
         std::string line;
         for (unsigned number = 1; std::getline(in, line); ++number) {
             where_ = fmt::format("{}:{}", path_.string(), number);

@@ -154,13 +154,11 @@ std::vector<double> CsvTable::column(const std::string& name) const {
 }
 
 CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form) {
-    const std::string content = read_whole(path);
+    const std::string content = read_text(path);
     CsvTable table;
     table.path = path;
     Reader reader(table, form);
     std::string_view remaining = content;
-    // byte order mark written by spreadsheets
-    if (remaining.starts_with("\xef\xbb\xbf")) remaining.remove_prefix(3);
     for (unsigned number = 1; !remaining.empty(); ++number) {
         const std::size_t end = std::min(remaining.find('\n'), remaining.size());
         const std::string_view whole = remaining.substr(0, end), line = trimmed(whole);

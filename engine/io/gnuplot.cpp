@@ -1,10 +1,13 @@
 #include "engine/io/gnuplot.hpp"
 
+#include "engine/message.hpp"
+
 #include <fmt/format.h>
 
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
@@ -33,8 +36,18 @@ bool send(std::FILE* to, std::string_view text) {
     return text.empty() || std::fwrite(text.data(), 1, text.size(), to) == text.size();
 }
 
+/// Whether the last chunk of a PNG is there: gnuplot does not notice a full disk.
+bool is_complete(const std::filesystem::path& png) {
+    constexpr std::string_view end{"\0\0\0\0IEND\xae\x42\x60\x82", 12};
+    std::ifstream file(png, std::ios::binary);
+    file.seekg(-static_cast<std::streamoff>(end.size()), std::ios::end);
+    std::string found(end.size(), ' ');
+    file.read(found.data(), static_cast<std::streamsize>(found.size()));
+    return file && found == end;
+}
+
 bool complain(const std::filesystem::path& png, const char* why) {
-    fmt::print(stderr, "cannot draw '{}': {}\n", png.string(), why);
+    say(fmt::format("cannot draw '{}': {}", png.string(), why));
     return false;
 }
 
@@ -69,9 +82,10 @@ bool draw_with_gnuplot(const std::filesystem::path& png, unsigned width, unsigne
                     width, height, gnuplot_quoted(unfinished.string()));
     const bool sent = send(gnuplot, head) && send(gnuplot, commands) && send(gnuplot, data);
     const int status = pclose(gnuplot);
-    const bool drawn = sent && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    if (drawn) std::filesystem::rename(unfinished, png, error);
-    if (!drawn || error) {
+    const bool drawn = sent && WIFEXITED(status) && WEXITSTATUS(status) == 0,
+               complete = drawn && is_complete(unfinished);
+    if (complete) std::filesystem::rename(unfinished, png, error);
+    if (!complete || error) {
         std::error_code ignored;
         std::filesystem::remove(unfinished, ignored);
         return complain(png, drawn ? "cannot write the file" : "gnuplot failed");

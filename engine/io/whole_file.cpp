@@ -61,6 +61,13 @@ std::string read_whole(const std::filesystem::path& path) {
     return content;
 }
 
+std::string read_text(const std::filesystem::path& path) {
+    std::string text = read_whole(path);
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    if (text.starts_with(mark)) text.erase(0, mark.size());
+    return text;
+}
+
 void write_whole(const std::filesystem::path& path, std::string_view content) {
     std::error_code error;
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);

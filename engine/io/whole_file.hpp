@@ -13,6 +13,8 @@ void require_regular_file(const std::filesystem::path& path);
 
 /// The content of a file. Throws OutputError if it cannot be read.
 std::string read_whole(const std::filesystem::path& path);
+/// The same without the byte order mark with which spreadsheets begin a file of UTF-8.
+std::string read_text(const std::filesystem::path& path);
 
 /// Writes `content` under a temporary name and renames it to `path`, so that a reader finds either
 /// the old file or the complete new one, also after a crash. Creates missing directories. Throws

@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/message.hpp"
 #include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
 #include "scenarios/recordings/device_channels.hpp"
@@ -102,12 +103,12 @@ LiveTest::~LiveTest() {
             remaining += logged(*line);
         }
     } catch (const OutputError& e) { // they were to be kept elsewhere too
-        std::fprintf(stderr, "%s\n", e.what());
+        say(e.what());
     }
     const bool written =
         std::fwrite(remaining.data(), 1, remaining.size(), log_) == remaining.size();
     if (std::fclose(log_) != 0 || !written)
-        std::fputs("cannot write the log of the stream: is the disk full?\n", stderr);
+        say("cannot write the log of the stream: is the disk full?");
 }
 
 void LiveTest::note(const std::string& kind, const std::string& text) {

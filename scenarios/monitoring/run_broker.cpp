@@ -1,6 +1,7 @@
 #include "scenarios/monitoring/run_broker.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/message.hpp"
 
 #include <fmt/format.h>
 
@@ -34,8 +35,7 @@ RunBroker::RunBroker(const RunBrokerSettings& s, const std::filesystem::path& st
                         stream.empty() ? BrokerLines::topics() : std::vector<std::string>{},
                         stream.empty() ? BrokerClient::Start::answered : BrokerClient::Start::any);
         if (const std::string problem = client_->problem(); !problem.empty())
-            fmt::print(stderr, "{}: {}; the run goes on and tries again\n", common.scenario,
-                       problem);
+            say(fmt::format("{}: {}; the run goes on and tries again", common.scenario, problem));
     }
     if (is_hdf5(stream)) replayed_.emplace(stream, speed, client_ ? &*client_ : nullptr);
 }
@@ -48,7 +48,7 @@ void RunBroker::keep_in(Hdf5File& file, const std::filesystem::path& earlier) {
             HistoryReader reader(earlier);
             while (auto message = reader.next()) kept_->add(std::move(*message));
         } catch (const std::exception& e) { // of a run that was killed while it wrote
-            fmt::print(stderr, "the history before the run was resumed is lost: {}\n", e.what());
+            say(fmt::format("the history before the run was resumed is lost: {}", e.what()));
         }
     }
     recorded_.emplace(source(), *kept_);

@@ -4,6 +4,7 @@
 #include "engine/io/column_map.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
 
 #include <fmt/format.h>
@@ -128,7 +129,7 @@ class Guess {
 public:
     Guess(const std::filesystem::path& csv, const std::vector<KnownColumn>& known)
         : csv_(csv), known_(known) {
-        std::istringstream text(read_whole(csv));
+        std::istringstream text(read_text(csv));
         for (std::string line; lines_.size() < most_lines && std::getline(text, line);)
             lines_.push_back(line);
     }
@@ -144,7 +145,7 @@ public:
     }
 
 private:
-    void note(std::string text) { guess_.notes.push_back(std::move(text)); }
+    void note(const std::string& text) { guess_.notes.push_back(printable(text)); }
 
     std::optional<double> number(std::string cell) const {
         if (decimal_ == ',') std::ranges::replace(cell, ',', '.');
@@ -157,13 +158,18 @@ private:
         return all;
     }
 
-    /// Whether names stand in this line and numbers in the next one, as many.
-    bool is_header(std::size_t k) const {
-        if (k + 1 >= lines_.size()) return false;
-        const Cells names = cells(k), numbers = cells(k + 1);
+    /// The first line of numbers below line k if that has their names: the next one or, below a
+    /// line of units, the one after it. Dates and other texts may stand among the numbers. 0: none.
+    std::size_t numbers_below(std::size_t k) const {
         const auto is_number = [&](const std::string& cell) { return number(cell).has_value(); };
-        return names.size() > 1 && names.size() == numbers.size() &&
-               std::ranges::all_of(numbers, is_number) && std::ranges::none_of(names, is_number);
+        const Cells names = cells(k);
+        if (names.size() < 2 || std::ranges::any_of(names, is_number)) return 0;
+        for (std::size_t row = k + 1; row < std::min(k + 3, lines_.size()); ++row) {
+            const Cells here = cells(row);
+            const auto count = static_cast<std::size_t>(std::ranges::count_if(here, is_number));
+            if (here.size() == names.size() && count >= 2 && 2 * count >= here.size()) return row;
+        }
+        return 0;
     }
 
     void find_header() {
@@ -174,7 +180,7 @@ private:
                 if (delimiter == decimal) continue;
                 delimiter_ = delimiter, decimal_ = decimal;
                 for (std::size_t k = 0; k < lines_.size(); ++k)
-                    if (is_header(k)) return read_header(k, word);
+                    if (const std::size_t row = numbers_below(k)) return read_header(k, row, word);
             }
         throw InputError(fmt::format("{}: expected a line of column names above lines of numbers, "
                                      "separated by commas, semicolons or tabs, found none in the "
@@ -182,15 +188,15 @@ private:
                                      csv_.string(), lines_.size()));
     }
 
-    void read_header(std::size_t k, const char* delimiter) {
+    void read_header(std::size_t k, std::size_t first, const char* delimiter) {
         guess_.map =
             fmt::format("delimiter = {}\ndecimal = {}\nheader_line = {}\nfirst_line = {}\n",
-                        delimiter, decimal_ == ',' ? "comma" : "point", k + 1, k + 2);
+                        delimiter, decimal_ == ',' ? "comma" : "point", k + 1, first + 1);
         note(fmt::format("The names of the columns stand in line {}; cells are separated by a {}, "
                          "decimals by a {}.",
                          k + 1, delimiter, decimal_ == ',' ? "comma" : "point"));
         for (const std::string& title : cells(k)) columns_.push_back(column_titled(title));
-        for (std::size_t row = k + 1; row < lines_.size(); ++row) {
+        for (std::size_t row = first; row < lines_.size(); ++row) {
             const Cells numbers = cells(row);
             for (std::size_t c = 0; c < columns_.size() && c < numbers.size(); ++c)
                 columns_[c].numbers.push_back(number(numbers[c]).value_or(std::nan("")));
@@ -198,9 +204,11 @@ private:
     }
 
     void assign(const KnownColumn& ours) {
-        const auto found = std::ranges::find_if(columns_, [&](const Column& column) {
-            return !column.title.empty() && is_called(column.name, ours.name);
-        });
+        auto found = std::ranges::find(columns_, ours.name, &Column::title);
+        if (found == columns_.end())
+            found = std::ranges::find_if(columns_, [&](const Column& column) {
+                return !column.title.empty() && is_called(column.name, ours.name);
+            });
         if (found == columns_.end()) return;
         std::string unit;
         if (!ours.units.empty()) {
@@ -218,18 +226,17 @@ private:
     /// The unit that the numbers suggest where the name has none, or one that is not known.
     std::string unit_by_size(const KnownColumn& ours, const Column& column) {
         std::string unit = ours.units.front().name, reason = "the usual unit";
-        std::vector<double> sizes, intervals;
-        for (std::size_t k = 0; k < column.numbers.size(); ++k) {
-            if (!std::isfinite(column.numbers[k])) continue;
-            sizes.push_back(std::abs(column.numbers[k]));
-            if (k == 0) continue;
-            const double interval = column.numbers[k] - column.numbers[k - 1];
-            if (interval > 0) intervals.push_back(interval);
-        }
-        if (ours.name == "t" && !intervals.empty()) {
+        std::vector<double> sizes;
+        for (const double x : column.numbers)
+            if (std::isfinite(x)) sizes.push_back(std::abs(x));
+        if (const auto intervals = intervals_of(column); ours.name == "t" && !intervals.empty()) {
+            // clocks that count have whole numbers
             const double interval = median(intervals);
-            unit = interval > 500 ? "us" : interval > 1.5 ? "ms" : "s";
-            reason = fmt::format("because of intervals of {:.3g}", interval);
+            const bool counts =
+                std::ranges::all_of(sizes, [](double t) { return t == std::floor(t); });
+            unit = !counts || interval <= 1 ? "s" : interval > 500 ? "us" : "ms";
+            reason = fmt::format("because of {} with intervals of {:.3g}",
+                                 counts ? "whole numbers" : "decimals", interval);
         } else if (ours.name.size() == 2 && ours.name[0] == 'a') {
             const double most = largest_axis();
             unit = most > 100 ? "mg" : most > 4 ? "m/s2" : "g";
@@ -243,6 +250,24 @@ private:
                          column.unit.empty() ? "not stated" : "not known (" + column.unit + ")",
                          unit, reason));
         return unit;
+    }
+
+    /// Positive intervals between the times of each sensor.
+    std::vector<double> intervals_of(const Column& times) const {
+        const auto ids = std::ranges::find_if(columns_, [](const Column& column) {
+            return !column.title.empty() && is_called(column.name, "id");
+        });
+        std::map<double, double> last; // by sensor
+        std::vector<double> intervals;
+        for (std::size_t k = 0; k < times.numbers.size(); ++k) {
+            const bool known = ids != columns_.end() && k < ids->numbers.size();
+            const double id = known ? ids->numbers[k] : 0, t = times.numbers[k];
+            if (!std::isfinite(t) || !std::isfinite(id)) continue;
+            const auto [before, is_first] = last.try_emplace(id, t);
+            if (!is_first && t > before->second) intervals.push_back(t - before->second);
+            before->second = t;
+        }
+        return intervals;
     }
 
     /// The largest median of the three accelerations: at rest that of gravity, or near it.

@@ -17,6 +17,31 @@ std::vector<double> finite(const std::vector<double>& values) {
     return some;
 }
 
+constexpr double slack = 1e-3; // strain from which ratios mean something
+
+/// Why these strains, from the first sample to the last, are not those of a test that begins
+/// without strain and compresses further and further; "".
+std::string reason_against_course(const std::vector<double>& strains) {
+    constexpr std::size_t fewest = 10;
+    if (strains.size() < fewest) return {};
+    const auto moved = std::ranges::find_if(strains, [&](double e) { return e != strains[0]; });
+    if (const auto still = moved - strains.begin(); still >= 3 && strains[0] > slack)
+        return fmt::format(
+            "expected 0 before the test, found {:.4g} in the first {} samples: is it "
+            "shifted?",
+            strains[0], still);
+    std::vector<double> sorted = strains;
+    std::ranges::sort(sorted);
+    const double high = sorted[sorted.size() * 9 / 10],
+                 late = median(
+                     std::vector(strains.end() - static_cast<std::ptrdiff_t>(strains.size() / 10),
+                                 strains.end()));
+    if (!(high > slack) || late > 0.5 * high) return {};
+    return fmt::format("expected strains that grow, found more than {:.4g} in a tenth of the "
+                       "samples, but a median of {:.4g} in the last tenth",
+                       high, late);
+}
+
 /// A factor between two strains that a wrong unit explains; "".
 std::string hint_at_per_cent(double factor) {
     return factor > 50 && factor < 200 ? ": is it in per cent?" : "";
@@ -37,12 +62,13 @@ public:
     }
 
 private:
-    /// The machine may have failed during the test, so only a wrong unit is found in this way.
+    /// Machine or sensor may have failed during the test, so only a wrong unit is found in this
+    /// way.
     std::string reason_by_ends(const Recording& r) const {
         const auto strains = finite(r.strain);
         if (strains.empty() || largest_ < slack) return {};
         const double found = std::ranges::max(strains);
-        if (found < 50 * largest_) return {};
+        if (found < 50 * largest_ && 50 * found > largest_) return {};
         return fmt::format("the records reach {:.4g}, but those of the machine end at {:.4g}{}",
                            found, largest_, hint_at_per_cent(found / largest_));
     }
@@ -73,7 +99,6 @@ private:
                            ratio, hint_at_per_cent(ratio > 0 ? std::max(ratio, 1 / ratio) : 0));
     }
 
-    static constexpr double slack = 1e-3; // strain from which ratios mean something
     const MachineClock& clock_;
     double largest_ = 0;
 };
@@ -93,7 +118,11 @@ bool has_possible_strain(const Inspection& at) {
                                         negative, strains.size()));
         return false;
     }
-    if (wrong == 0) return true;
+    if (wrong == 0) {
+        const std::string reason = reason_against_course(strains);
+        if (!reason.empty()) at.refuse("strain", reason);
+        return reason.empty();
+    }
     const double worst =
         *std::ranges::max_element(strains, {}, [](double e) { return std::abs(e); });
     at.refuse("strain", fmt::format("expected {:g} to {:g}, which a test can reach, found {} of {} "

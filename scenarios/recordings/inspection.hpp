@@ -50,8 +50,8 @@ void check_scatter(const Inspection& at, const char* what, const std::vector<Vec
 /// Median increment of axial strain from one sample to the next during the test; 0: unknown.
 double strain_step(const Inspection& at);
 
-/// Whether the recorded strain is one that a test can reach, in compression; adds a refusal
-/// otherwise.
+/// Whether the recorded strain is one that a test can reach, in compression, grows, and begins at 0
+/// where samples of the specimen at rest precede the test; adds a refusal otherwise.
 bool has_possible_strain(const Inspection& at);
 
 /// Checks displacements for jumps, for scatter above the declared noise, and for magnitudes that

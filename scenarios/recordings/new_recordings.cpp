@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <set>
+#include <system_error>
 
 namespace bris {
 
@@ -18,12 +19,41 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Writes the guessed map and returns the form of the file by it. Throws InputError if a needed
-/// column is missing.
-CsvForm guessed_form(const fs::path& csv, const std::vector<KnownColumn>& known,
-                     const fs::path& map, std::string& text) {
-    const GuessedMap guess = guess_columns(csv, known);
+/// Files that one call writes. If it fails they are removed, so that the next one begins anew.
+class NewFiles {
+public:
+    NewFiles() = default;
+    NewFiles(const NewFiles&) = delete;
+    ~NewFiles() {
+        std::error_code error;
+        for (const fs::path& file : files_) {
+            fs::remove(file, error);
+            fs::remove(file.parent_path(), error); // if it is empty
+        }
+    }
+    /// Throws InputError if the file is there already.
+    const fs::path& add(const fs::path& file) {
+        require(
+            !fs::exists(file),
+            fmt::format("--new: expected a folder without recordings, found '{}'", file.string()));
+        return files_.emplace_back(file);
+    }
+    void keep() { files_.clear(); }
+
+private:
+    std::vector<fs::path> files_;
+};
+
+/// The form of the file by the map that is there, which somebody may have corrected, or else by one
+/// that is guessed and written. Throws InputError if a needed column is missing.
+CsvForm form_of(const fs::path& csv, const std::vector<KnownColumn>& known, const fs::path& map,
+                NewFiles& files, std::string& text) {
     text += fmt::format("{}:\n", csv.filename().string());
+    if (fs::exists(map)) {
+        text += fmt::format("  The columns are those of {}, which is kept.\n", map.string());
+        return read_column_map(map, known);
+    }
+    const GuessedMap guess = guess_columns(csv, known);
     for (const std::string& note : guess.notes) text += "  " + note + "\n";
     for (const KnownColumn& column : known)
         require(!column.needed || std::ranges::count(guess.found, column.name) > 0,
@@ -32,8 +62,8 @@ CsvForm guessed_form(const fs::path& csv, const std::vector<KnownColumn>& known,
                             column.name == "id"
                                 ? "add a column id with a number for each sensor"
                                 : "write a column map by hand (assets/smartrock/README.md)"));
-    write_whole(map, fmt::format("# Guessed from {}: check names, units and signs.\n{}",
-                                 csv.filename().string(), guess.map));
+    write_whole(files.add(map), fmt::format("# Guessed from {}: check names, units and signs.\n{}",
+                                            csv.filename().string(), guess.map));
     return read_column_map(map, known);
 }
 
@@ -80,17 +110,28 @@ std::vector<SensorInfo> infos_in(const fs::path& csv, const CsvForm& form) {
 
 std::string write_new_recordings(const NewRecordings& s) {
     const fs::path of_test = s.folder / folder_of(s.pressure), csv = of_test / "recordings.csv";
-    require(!fs::exists(csv),
-            fmt::format("--new: expected a folder without recordings, found '{}'", csv.string()));
     std::string text, machine;
+    NewFiles files;
+    files.add(csv);
+    if (!s.machine.empty()) files.add(of_test / "test.csv");
     const fs::path map = s.folder / "columns.txt", machine_map = s.folder / "machine_columns.txt";
-    const CsvForm form = guessed_form(s.sensors, recording_columns(), map, text);
+    const CsvForm form = form_of(s.sensors, recording_columns(), map, files, text);
     const auto recordings = read_recordings(s.sensors, infos_in(s.sensors, form), form);
-    if (!s.machine.empty()) (void)guessed_form(s.machine, machine_columns(), machine_map, machine);
+    if (!s.machine.empty())
+        (void)form_of(s.machine, machine_columns(), machine_map, files, machine);
     write_whole(csv, read_whole(s.sensors));
     if (!s.machine.empty()) write_whole(of_test / "test.csv", read_whole(s.machine));
-    for (const Recording& r : recordings)
-        write_sensor_info(s.folder / fmt::format("rock_{:02}.txt", r.info.id), info_of(r));
+    std::size_t there = 0; // somebody may have completed them
+    for (const Recording& r : recordings) {
+        const fs::path file = s.folder / fmt::format("rock_{:02}.txt", r.info.id);
+        if (fs::exists(file))
+            ++there;
+        else
+            write_sensor_info(files.add(file), info_of(r));
+    }
+    files.keep();
+    if (there > 0)
+        text += fmt::format("{} files rock_NN.txt were there already, and are kept.\n", there);
     text +=
         fmt::format("{} sensors; sampling rates are from the times, attitudes from the direction "
                     "of gravity in the first samples.\n{}",

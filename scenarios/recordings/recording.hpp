@@ -169,9 +169,10 @@ void SensorInfo::describe(auto& option) {
         }
     };
     option("id", id, "", "Number of the sensor in the recordings.");
-    option("x", x, "m", "Coordinate x of the centre of the rock at the start.");
-    option("y", y, "m", "Coordinate y of the centre of the rock at the start.");
-    option("z", z, "m", "Coordinate z (upwards) of the centre of the rock at the start.");
+    const Range in_reach = within(-100, 100), in_rock = within(-1, 1); // m; not in mm
+    option("x", x, "m", "Coordinate x of the centre of the rock at the start.", in_reach);
+    option("y", y, "m", "Coordinate y of the centre of the rock at the start.", in_reach);
+    option("z", z, "m", "Coordinate z (upwards) of the centre of the rock at the start.", in_reach);
     quaternion("q", {&qw, &qx, &qy, &qz}, "Attitude at the start, body to world");
     option("placed_x_over_radius", placed_x, "",
            "Coordinate x, over the radius of the specimen, where the rock was placed when the "
@@ -186,9 +187,9 @@ void SensorInfo::describe(auto& option) {
            "Standard deviation of the position at the start.", above(0));
     option("attitude_deviation", attitude_deviation, "degrees",
            "Standard deviation of the attitude at the start.", above(0));
-    option("arm_x", arm_x, "m", "Lever arm from the centre to the sensor, body axes: x.");
-    option("arm_y", arm_y, "m", "Lever arm from the centre to the sensor, body axes: y.");
-    option("arm_z", arm_z, "m", "Lever arm from the centre to the sensor, body axes: z.");
+    option("arm_x", arm_x, "m", "Lever arm from the centre to the sensor, body axes: x.", in_rock);
+    option("arm_y", arm_y, "m", "Lever arm from the centre to the sensor, body axes: y.", in_rock);
+    option("arm_z", arm_z, "m", "Lever arm from the centre to the sensor, body axes: z.", in_rock);
     quaternion("mounting_", {&mounting_w, &mounting_x, &mounting_y, &mounting_z},
                "Rotation from sensor axes to body axes");
     option("force_unit", force_unit, "", "Unit of ax ay az.", {"m/s2", "g"});

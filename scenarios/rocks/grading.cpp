@@ -104,10 +104,22 @@ void check_rows(const std::filesystem::path& path, const Grading& grading,
     const auto refuse = [&](std::size_t k, const std::string& what) {
         throw InputError(fmt::format("{}:{}: {}", path.string(), lines[k], what));
     };
+    constexpr double least_coarse = 1e-4, most_coarse = 2; // m, of gradings of grains
+    constexpr double widest = 1e4;                         // ratio of sieves
     for (std::size_t k = 0; k < grading.sieves.size(); ++k) {
         const Sieve& sieve = grading.sieves[k];
         if (!(sieve.size > 0 && std::isfinite(sieve.size)))
             refuse(k, "sieve: expected a positive size");
+        const double coarsest = grading.sieves.front().size;
+        if (!(coarsest >= least_coarse && coarsest <= most_coarse))
+            refuse(0,
+                   fmt::format("sieve_mm: expected {:g} to {:g} mm for the coarsest sieve, found "
+                               "{:.4g} mm: is it in another unit?",
+                               1e3 * least_coarse, 1e3 * most_coarse, 1e3 * coarsest));
+        if (sieve.size * widest < coarsest)
+            refuse(k, fmt::format("sieve_mm: expected at least 1/{:g} of the coarsest sieve, found "
+                                  "{:.4g} mm",
+                                  widest, 1e3 * sieve.size));
         if (!(sieve.lower >= 0 && sieve.upper <= 1 && sieve.lower <= sieve.upper))
             refuse(k, fmt::format("limits: expected 0 <= lower <= upper <= 100, found {} and {}",
                                   100 * sieve.lower, 100 * sieve.upper));

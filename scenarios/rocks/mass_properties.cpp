@@ -146,7 +146,8 @@ MassProperties union_properties(std::span<const Ball> balls, double tolerance) {
         coarse = fine;
     }
     throw InputError(
-        "mass properties: 6400 columns do not reach the tolerance; choose a larger tolerance");
+        "mass properties: expected a body whose volume 6400 x 6400 columns show to the tolerance, "
+        "found one that is too slender");
 }
 
 PrincipalAxes principal_axes(const Mat3& inertia) {

@@ -2,6 +2,7 @@
 // input files: a run ends in time, in one line, with the exit code that the README states.
 
 #include "engine/io/checkpoint.hpp"
+#include "engine/io/whole_file.hpp"
 #include "engine/stopwatch.hpp"
 #include "tests/scenarios/faults/process.hpp"
 
@@ -10,6 +11,7 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <fcntl.h>
 #include <fstream>
 #include <sched.h>
 #include <string>
@@ -86,7 +88,7 @@ bool may_mount() {
 TEST_SUITE("faults/limits") {
     TEST_CASE("a run that is interrupted, terminated or out of processor time saves a checkpoint "
               "and ends with 130") {
-        for (const int signal : {SIGINT, SIGTERM, SIGXCPU}) {
+        for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) {
             CAPTURE(signal);
             const TemporaryDirectory folder;
             const auto out = folder / "out";
@@ -99,6 +101,44 @@ TEST_SUITE("faults/limits") {
             }
             check_interrupted(run.wait(20), out);
         }
+    }
+
+    TEST_CASE("a closed or full stderr ends no run and changes no exit code, and a standard output "
+              "that takes nothing ends with exit code 4") {
+        const TemporaryDirectory folder;
+        const auto with = [&](int stream, bool is_full, const Words& words) {
+            return run_process(words, [=] {
+                if (!is_full) return close(stream) == 0;
+                return dup2(open("/dev/full", O_WRONLY), stream) == stream;
+            });
+        };
+        for (const bool is_full : {false, true}) {
+            CAPTURE(is_full);
+            const Words run{"settle", "--out",      folder / "out", "--spheres",
+                            "20",     "--duration", "0.001"};
+            CHECK(with(STDERR_FILENO, is_full, run).code == 0);
+            CHECK(with(STDERR_FILENO, is_full, {"settle", "--bogus"}).code == 2);
+            // what is printed has not gone into a file
+            CHECK(read_whole(folder / "out/settle.vtkhdf").find("coordination number 0.") ==
+                  std::string::npos);
+            Words quiet = run;
+            quiet.emplace_back("--quiet");
+            check_failed(with(STDOUT_FILENO, is_full, quiet), 4);
+            for (const char* flag : {"--explain", "--help", "--version"})
+                check_failed(with(STDOUT_FILENO, is_full, {"settle", flag}), 4);
+            check_failed(with(STDOUT_FILENO, is_full, {"verify", "--list"}), 4, "verify");
+        }
+    }
+
+    TEST_CASE("a picture that a full disk cuts off is removed, and the run says so") {
+        const TemporaryDirectory folder;
+        const Outcome outcome = run_process({"recordings", "--out", folder / "out", "--quiet"},
+                                            [] { return limit(RLIMIT_FSIZE, 46'000, 46'000); });
+        CHECK(outcome.code == 0);
+        CHECK(outcome.err.find("cannot draw '") != std::string::npos);
+        for (const auto& entry : fs::recursive_directory_iterator(folder / "out"))
+            if (entry.path().extension() == ".png")
+                CHECK(read_whole(entry.path()).find("IEND") != std::string::npos);
     }
 
     TEST_CASE("a second interrupt ends a run at once") {

@@ -103,6 +103,33 @@ TEST_SUITE("recordings/inspect_strain") {
             "strain: at the same time the records have 0.3333 times the strain of the machine"));
     }
 
+    TEST_CASE("strain that falls, that is not zero before the test, or that is a hundredth of that "
+              "of the machine is refused") {
+        const RecordedTest falls = changed([](RecordedTest& test) {
+            for (double& e : test.recordings[1].strain) e = 0.08 - e;
+        });
+        CHECK(falls.refused() == 1);
+        CHECK(has(reasons(falls, falls.recordings[1].info.id), "strain: expected 0 before the"));
+        const RecordedTest back =
+            changed([](RecordedTest& test) { std::ranges::reverse(test.recordings[1].strain); });
+        CHECK(back.refused() == 1);
+        CHECK(has(reasons(back, back.recordings[1].info.id), "strain: expected strains that grow"));
+        const RecordedTest shifted = changed([](RecordedTest& test) {
+            for (Recording& r : test.recordings)
+                for (double& e : r.strain) e += 0.03;
+        });
+        CHECK(shifted.refused() == shifted.recordings.size());
+        CHECK(has(reasons(shifted, 3), "found 0.03 in the first"));
+        const RecordedTest small = changed([](RecordedTest& test) {
+            for (Recording& r : test.recordings) {
+                scale(r.strain, 0.01);
+                r.displacement.clear(); // which would contradict it as well
+            }
+        });
+        CHECK(small.refused() == small.recordings.size());
+        CHECK(has(reasons(small, 3), "strain: the records reach 0.0008"));
+    }
+
     TEST_CASE("a machine that fails early, or whose own strain is wrong, refuses no sensor") {
         const RecordedTest early = changed([](RecordedTest& test) {
             std::erase_if(test.measured,

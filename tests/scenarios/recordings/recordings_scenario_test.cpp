@@ -126,6 +126,49 @@ TEST_SUITE("recordings/recordings_scenario") {
         CHECK(has(again.err, "--new: expected a folder without recordings, found '"));
     }
 
+    TEST_CASE("a second test goes into the same folder and keeps what was completed by hand, and a "
+              "failure leaves nothing behind") {
+        const TemporaryDirectory folder;
+        const fs::path csv = folder / "a.csv", out = folder / "out";
+        write_whole(csv, "t,id,ax,ay,az\n0.01,1,0,0,9.8\n0.02,1,0,0,9.8\n0.03,1,0,0,9.8\n");
+        const auto make = [&](const char* pressure, std::vector<std::string> more = {}) {
+            std::vector<std::string> words{"recordings",           "--new", csv, "--out", out,
+                                           "--confining-pressure", pressure};
+            words.insert(words.end(), more.begin(), more.end());
+            return run_process(words);
+        };
+        const Outcome failed = make("55e3", {"--new-machine", folder / "none.csv"});
+        CHECK(failed.code == 4);
+        CHECK_FALSE(fs::exists(out));
+        REQUIRE(make("55e3").code == 0);
+        SensorInfo own = read_sensor_info(out / "rock_01.txt");
+        own.z = 0.25;
+        write_sensor_info(out / "rock_01.txt", own);
+        const Outcome second = make("110e3");
+        CHECK(second.code == 0);
+        CHECK(has(second.out, "columns.txt, which is kept"));
+        CHECK(read_sensor_info(out / "rock_01.txt").z == 0.25);
+        CHECK(read_whole(out / "110kPa/recordings.csv") == read_whole(csv));
+    }
+
+    TEST_CASE("a byte order mark, a line of units, columns of text and several sensors do not "
+              "mislead the guess") {
+        const TemporaryDirectory folder;
+        std::string text = "\xef\xbb\xbftimestamp,t,id,ax,ay,az,\x1b[31mnote\n"
+                           ",ms,,m/s2,m/s2,m/s2,\n";
+        for (int k = 0; k < 40; ++k)
+            for (int id = 1; id <= 10; ++id) // a hundred samples per second of each of ten
+                text += fmt::format("2026-11-27 10:00,{},{},0,0.1,9.8,fine\n", 10 * k + 1, id);
+        write_whole(folder / "a.csv", text);
+        const GuessedMap guess = guess_columns(folder / "a.csv", recording_columns());
+        for (const char* line :
+             {"first_line = 3\n", "t = \"t\", ms\n", "id = \"id\"\n", "az = \"az\", m/s2\n"})
+            CHECK_MESSAGE(has(guess.map, line), line << "\n" << guess.map);
+        CHECK(std::ranges::none_of(guess.notes, [](const std::string& note) {
+            return note.find('\x1b') != std::string::npos;
+        }));
+    }
+
     TEST_CASE("columns are recognised by usual names, and units without a name by size") {
         const TemporaryDirectory folder;
         const auto map_of = [&](const std::string& text) {

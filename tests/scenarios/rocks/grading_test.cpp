@@ -123,5 +123,12 @@ TEST_SUITE("rocks/grading") {
         CHECK_THROWS_WITH_AS(grading_of("40,100,100\n20,10,40\n10,20,30\n"),
                              doctest::Contains(":4:"), InputError);
         CHECK_THROWS_AS(grading_of("40,90,100\n20,10,40\n"), InputError);
+        // in metres, in micrometres, and sieves that no sample can span
+        CHECK_THROWS_WITH_AS(grading_of("0.04,100,100\n0.02,10,40\n"),
+                             doctest::Contains("is it in another unit?"), InputError);
+        CHECK_THROWS_WITH_AS(grading_of("40000,100,100\n20000,10,40\n"),
+                             doctest::Contains("is it in another unit?"), InputError);
+        CHECK_THROWS_WITH_AS(grading_of("40,100,100\n1e-300,0,0\n"), doctest::Contains(":3:"),
+                             InputError);
     }
 }
