@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -81,12 +82,21 @@ Clump read_clump(const std::filesystem::path& path) {
     clump.sieve = need("sieve");
     const std::vector<double> x = table.column("x"), y = table.column("y"), z = table.column("z"),
                               radius = table.column("radius");
-    require(!radius.empty(), path.string() + ": expected at least one sphere, found none");
+    constexpr std::size_t most = 10'000; // verify would take minutes, and a step seconds
+    require(
+        !radius.empty() && radius.size() <= most,
+        fmt::format("{}: expected 1 to {} spheres, found {}", path.string(), most, radius.size()));
+    std::map<std::array<double, 4>, int> first; // line of each sphere
     for (std::size_t k = 0; k < radius.size(); ++k) {
         const Vec3 centre(x[k], y[k], z[k]);
         require(centre.allFinite() && radius[k] > 0 && std::isfinite(radius[k]),
                 fmt::format("{}:{}: expected three finite coordinates and a positive radius",
                             path.string(), table.lines[k]));
+        // two in one place would touch with twice the stiffness
+        const auto [other, is_new] =
+            first.try_emplace({x[k], y[k], z[k], radius[k]}, table.lines[k]);
+        require(is_new, fmt::format("{}:{}: expected each sphere once, found that of line {} again",
+                                    path.string(), table.lines[k], other->second));
         clump.balls.push_back({centre, radius[k]});
         clump.bounding_radius = std::max(clump.bounding_radius, centre.norm() + radius[k]);
     }

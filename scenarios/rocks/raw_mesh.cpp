@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 namespace bris {
@@ -63,6 +64,24 @@ void check_closed(const RawMesh& mesh) {
                     ": mesh: expected a closed surface, found an edge with one triangle only");
 }
 
+/// Refuses a surface in several pieces: of bodies within or through each other, volumes would count
+/// twice, and two bodies apart are no rock.
+void check_one_piece(const RawMesh& mesh) {
+    std::vector<std::size_t> to(mesh.corners.size()); // a corner of the same piece, or itself
+    std::iota(to.begin(), to.end(), std::size_t{0});
+    const auto piece = [&](std::size_t corner) {
+        while (to[corner] != corner) corner = to[corner] = to[to[corner]];
+        return corner;
+    };
+    for (const auto& triangle : mesh.triangles)
+        for (const std::size_t corner : triangle) to[piece(corner)] = piece(triangle[0]);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        require(piece(mesh.triangles[t][0]) == piece(mesh.triangles[0][0]),
+                mesh.where(t) +
+                    ": mesh: expected one closed surface, found another one that is not "
+                    "connected with that of the first triangle");
+}
+
 } // namespace
 
 Polyhedron closed_surface(RawMesh mesh) {
@@ -85,6 +104,7 @@ Polyhedron closed_surface(RawMesh mesh) {
     require(!clean.triangles.empty(),
             mesh.path.string() + ":1: mesh: expected triangles with an area, found none");
     check_closed(clean);
+    check_one_piece(clean);
     Polyhedron solid{.vertices = clean.corners,
                      .triangles = clean.triangles,
                      .faces = static_cast<int>(clean.triangles.size())};

@@ -45,7 +45,10 @@ RawMesh read_text_stl(const std::filesystem::path& path, const std::string& byte
         };
         std::istringstream words(line);
         if (!(words >> word)) continue;
-        if (number == 1 && word != "solid") refuse("expected \"solid\", found \"" + word + "\"");
+        if (number == 1 && word != "solid")
+            refuse(fmt::format("expected \"solid\", or a binary file of 84 + 50 N bytes with the "
+                               "number N of its triangles in the bytes 81 to 84, found {} bytes",
+                               bytes.size()));
         if (word == "vertex") {
             Vec3 corner;
             if (!(words >> corner.x() >> corner.y() >> corner.z()))

@@ -54,6 +54,11 @@ TEST_SUITE("rocks/clump_library") {
 
         std::ostringstream text;
         text << std::ifstream(path).rdbuf();
+        const auto twice = folder / "twice.csv";
+        const std::string whole = text.str();
+        std::ofstream(twice) << whole << whole.substr(whole.rfind('\n', whole.size() - 2) + 1);
+        CHECK_THROWS_WITH_AS(read_clump(twice), doctest::Contains("expected each sphere once"),
+                             InputError);
         for (const char* name : {"volume = ", "inertia_y = ", "sieve = "}) {
             std::string wrong = text.str();
             wrong.insert(wrong.find(name) + std::string(name).size(), 1, '1');

@@ -8,6 +8,7 @@
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <cstdint>
@@ -147,6 +148,21 @@ TEST_SUITE("rocks/read_mesh") {
         const auto path = written("open.obj", tetrahedron);
         CHECK_THROWS_WITH_AS(read_mesh(path), doctest::Contains(": mesh: expected a closed"),
                              InputError);
+    }
+
+    TEST_CASE("a surface in two pieces is refused, and so is a binary STL file that is cut off") {
+        for (const double size : {0.2, 3.0}) { // inside, or around and through the first one
+            const std::string two =
+                tetrahedron + "f 2 3 4\n" +
+                fmt::format("v {0} {0} {0}\nv {1} {0} {0}\nv {0} {1} {0}\nv {0} {0} {1}\n"
+                            "f 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n",
+                            0.1, size);
+            CHECK_THROWS_WITH_AS(read_mesh(written("two.obj", two)),
+                                 doctest::Contains("two.obj:13: mesh: expected one closed"),
+                                 InputError);
+        }
+        const auto cut = written("cut.stl", std::string(84, ' ') + std::string(120, '\0'));
+        CHECK_THROWS_WITH_AS(read_mesh(cut), doctest::Contains("found 204 bytes"), InputError);
     }
 
     TEST_CASE("a third triangle at an edge and an index that does not exist are refused") {
