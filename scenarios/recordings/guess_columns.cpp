@@ -229,7 +229,8 @@ private:
         std::vector<double> sizes;
         for (const double x : column.numbers)
             if (std::isfinite(x)) sizes.push_back(std::abs(x));
-        if (const auto intervals = intervals_of(column); ours.name == "t" && !intervals.empty()) {
+        const auto intervals = ours.name == "t" ? intervals_of(column) : std::vector<double>{};
+        if (!intervals.empty()) {
             // clocks that count have whole numbers
             const double interval = median(intervals);
             const bool counts =

@@ -111,8 +111,8 @@ void check_rows(const std::filesystem::path& path, const Grading& grading,
         if (!(sieve.size > 0 && std::isfinite(sieve.size)))
             refuse(k, "sieve: expected a positive size");
         const double coarsest = grading.sieves.front().size;
-        if (!(coarsest >= least_coarse && coarsest <= most_coarse))
-            refuse(0,
+        if (k == 0 && !(coarsest >= least_coarse && coarsest <= most_coarse))
+            refuse(k,
                    fmt::format("sieve_mm: expected {:g} to {:g} mm for the coarsest sieve, found "
                                "{:.4g} mm: is it in another unit?",
                                1e3 * least_coarse, 1e3 * most_coarse, 1e3 * coarsest));

@@ -76,10 +76,10 @@ void check_one_piece(const RawMesh& mesh) {
     for (const auto& triangle : mesh.triangles)
         for (const std::size_t corner : triangle) to[piece(corner)] = piece(triangle[0]);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        require(piece(mesh.triangles[t][0]) == piece(mesh.triangles[0][0]),
-                mesh.where(t) +
-                    ": mesh: expected one closed surface, found another one that is not "
-                    "connected with that of the first triangle");
+        if (piece(mesh.triangles[t][0]) != piece(mesh.triangles[0][0]))
+            throw InputError(mesh.where(t) +
+                             ": mesh: expected one closed surface, found another one that is not "
+                             "connected with that of the first triangle");
 }
 
 } // namespace

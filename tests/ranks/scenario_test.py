@@ -109,8 +109,8 @@ assert fingerprint("resumed") == fingerprint("one"), "other bits after resuming"
 
 # one rank alone finds that it cannot write
 out = folder / "gone"
-process = subprocess.Popen([settle, "--spheres", "2000", "--duration", "5", "--ranks", "2", "--threads", "1", "--quiet", "--out", out], stderr=subprocess.PIPE, text=True)
-while not (out / "settle.vtkhdf").exists():
+process = run("gone", 2, duration="5", wait=False)
+while process.poll() is None and not (out / "settle.vtkhdf").exists():
     time.sleep(0.1)
 shutil.rmtree(out)
 out.touch()
