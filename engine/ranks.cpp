@@ -49,8 +49,7 @@ MPI_Comm ending = MPI_COMM_NULL;
 /// lost: then all end, with one line.
 void wait_for(std::vector<MPI_Request>& requests) {
     using Clock = std::chrono::steady_clock;
-    // where one rank fails alone, mpirun kills the others ten seconds later, without a second line
-    constexpr std::chrono::seconds patience{45}, patience_when_stopped{12};
+    constexpr std::chrono::seconds patience{45}, patience_when_stopped{10};
     const int count = static_cast<int>(requests.size());
     const auto began = Clock::now();
     for (std::uint64_t tries = 1;; ++tries) {
