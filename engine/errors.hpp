@@ -1,31 +1,39 @@
 #pragma once
 
+#include "engine/printable.hpp"
+
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 
 namespace bris {
 
+/// An error with a message that a terminal can show. Bytes of a file that it cites are made
+/// printable: at a zero byte, the text of an exception would end.
+struct Error : std::runtime_error {
+    explicit Error(const std::string& message) : std::runtime_error(printable(message)) {}
+};
+
 /// An invalid option, asset or recording. The message is one line: "file:line: what: expected ...,
 /// found ...".
-struct InputError : std::runtime_error {
-    using std::runtime_error::runtime_error;
+struct InputError : Error {
+    using Error::Error;
 };
 
 /// The computation failed. The message of a numerical guard names the step, the time, the ids
 /// involved and what to try.
-struct SimulationError : std::runtime_error {
-    using std::runtime_error::runtime_error;
+struct SimulationError : Error {
+    using Error::Error;
 };
 
 /// A file cannot be read or written.
-struct OutputError : std::runtime_error {
-    using std::runtime_error::runtime_error;
+struct OutputError : Error {
+    using Error::Error;
 };
 
 /// The user asked to stop (Ctrl-C); the state has been saved.
-struct Interrupted : std::runtime_error {
-    using std::runtime_error::runtime_error;
+struct Interrupted : Error {
+    using Error::Error;
 };
 
 /// Throws InputError unless `condition` holds.

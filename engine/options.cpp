@@ -107,7 +107,9 @@ std::string in_unit(const std::string& unit) {
 
 [[noreturn]] void reject(const std::string& where, const std::string& expected,
                          const std::string& found) {
-    throw InputError(fmt::format("{}: expected {}, found \"{}\"", where, expected, found));
+    constexpr std::size_t most = 200; // letters that a message cites
+    throw InputError(fmt::format("{}: expected {}, found \"{}\"{}", where, expected,
+                                 found.substr(0, most), found.size() > most ? " ..." : ""));
 }
 
 /// Sets one member from its text. Throws InputError with a message that begins with `where`.

@@ -180,7 +180,8 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
     if (!parse_or_answer(options, common.arguments, info.name, info.description)) return false;
     refuse_flag("--resume", !common.resume.empty(), info.cannot_resume);
     refuse_flag("--explain", common.explain, info.cannot_explain);
-    if (!common.resume.empty() && !std::filesystem::exists(common.resume))
+    if (std::error_code error;
+        !common.resume.empty() && !std::filesystem::exists(common.resume, error))
         throw OutputError(fmt::format("--resume: cannot read '{}'", common.resume.string()));
     require(common.assets.empty() || common.assets == assets_folder(),
             "--assets: expected on the command line, found in a configuration file");

@@ -134,6 +134,15 @@ void check(const Monitor& m) {
         throw OutputError(fmt::format("--stream: cannot read '{}'", m.stream.string()));
 }
 
+/// A spectrum ends at half of the sampling rate.
+void check_band(const std::vector<SensorBaseline>& baselines, const MonitorSettings& s) {
+    for (const SensorBaseline& b : baselines)
+        require(b.rate == 0 || s.band_low < 0.5 * b.rate, // 0: it is no baseline
+                fmt::format("--band-low: expected less than half of the sampling rate of sensor "
+                            "{}, {:g} Hz, found {:g} Hz",
+                            b.id, b.rate, s.band_low));
+}
+
 class MonitorRun {
 public:
     MonitorRun(const Monitor& monitor, const Common& common)
@@ -155,6 +164,7 @@ public:
         }
         baseline_ = baseline.string();
         baselines_ = baselines_of(read_passages(baseline, m_.columns, "--baseline"), settings_);
+        check_band(baselines_, settings_);
         if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
         log_.emplace(common_.out);
         if (m_.broker.client.address.empty() ? m_.stream.empty() : !m_.recordings.empty())

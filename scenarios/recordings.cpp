@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <exception>
 
 namespace bris {
 
@@ -95,6 +96,24 @@ double duration_of(const RecordedTest& test, double rest) {
     return longest > 0 ? longest : 1;
 }
 
+/// Judges one test: draws it, and adds to the report and to the summary.
+void judge_test(const Judged& s, double pressure, const std::vector<SensorInfo>& infos,
+                const Common& common, std::string& report, Summary& summary) {
+    const RecordedTest test = read_recorded_test(s.recordings, pressure, infos, s.quality_control);
+    const std::string name = folder_of(pressure);
+    const std::filesystem::path of_test = common.out / name;
+    std::filesystem::create_directories(of_test);
+    draw_recordings(of_test, test);
+    report += fmt::format("{}{}\n{}\n{}", report.empty() ? "" : "\n\n", name,
+                          quality_control_report(test),
+                          observability_report(test, duration_of(test, s.quality_control.rest),
+                                               s.displacement_deviation, s.rotation_deviation));
+    fmt::print("{}: {}\n", name, verdict_on(test));
+    summary.add(name + "_sensors_accepted", test.recordings.size() - test.refused());
+    summary.add(name + "_sensors_refused", test.refused());
+    summary.add(name + "_machine_channels_refused", refused_channels(test));
+}
+
 void judge(const Judged& given, const Common& common) {
     Judged s = given;
     find_map(s.quality_control.columns, s.recordings / "columns.txt");
@@ -103,26 +122,23 @@ void judge(const Judged& given, const Common& common) {
     const auto infos = read_sensor_infos(s.recordings);
     Summary summary;
     std::string report;
+    std::exception_ptr unreadable; // of the first test that cannot be read; the others are judged
     for (const double pressure : pressures) {
-        const RecordedTest test =
-            read_recorded_test(s.recordings, pressure, infos, s.quality_control);
-        const std::string name = folder_of(pressure);
-        const std::filesystem::path of_test = common.out / name;
-        std::filesystem::create_directories(of_test);
-        draw_recordings(of_test, test);
-        report += fmt::format("{}{}\n{}\n{}", report.empty() ? "" : "\n\n", name,
-                              quality_control_report(test),
-                              observability_report(test, duration_of(test, s.quality_control.rest),
-                                                   s.displacement_deviation, s.rotation_deviation));
-        fmt::print("{}: {}\n", name, verdict_on(test));
-        summary.add(name + "_sensors_accepted", test.recordings.size() - test.refused());
-        summary.add(name + "_sensors_refused", test.refused());
-        summary.add(name + "_machine_channels_refused", refused_channels(test));
+        try {
+            judge_test(s, pressure, infos, common, report, summary);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const Error& e) {
+            if (pressures.size() > 1) fmt::print("{}: {}\n", folder_of(pressure), e.what());
+            if (!unreadable) unreadable = std::current_exception();
+        }
     }
+    if (report.empty()) std::rethrow_exception(unreadable);
     const auto file = common.out / "quality_control.txt";
     write_whole(file, report);
     fmt::print("The reasons, and what each sensor observes, are in {}.\n", file.string());
     report_results(common, summary);
+    if (unreadable) std::rethrow_exception(unreadable);
 }
 
 void run(const Judged& s, const Common& common) {

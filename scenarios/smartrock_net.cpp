@@ -197,11 +197,15 @@ void run(const Network& given, const Common& common) {
             fmt::format("--contact-interval: expected 0 (never) or at least 1 s, found {:g} s",
                         n.settings.contact_interval));
     for (const auto& [link, name] :
-         {std::pair{n.settings.rock_link, "rock"}, std::pair{n.settings.cloud_link, "cloud"}})
+         {std::pair{n.settings.rock_link, "rock"}, std::pair{n.settings.cloud_link, "cloud"}}) {
+        require(
+            link.repeats == std::floor(link.repeats),
+            fmt::format("--{}-repeats: expected a whole number, found {:g}", name, link.repeats));
         require(link.interval == 0 || link.interval > link.outage,
                 fmt::format("--{}-outage-interval: expected more than the outage of {:g} s, found "
                             "{:g} s",
                             name, link.outage, link.interval));
+    }
     if (!n.changes.empty()) n.settings.changes = read_changes(n.changes, n.settings.rocks);
     const Truth truth(n.truth, common.seed);
     const std::vector<Strategy> strategies = chosen(n);

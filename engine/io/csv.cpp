@@ -179,6 +179,10 @@ CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form) {
             table.lines.push_back(static_cast<int>(number));
         }
     }
+    if (form.first_line > 0 && table.lines.empty())
+        throw InputError(fmt::format("{}: expected numbers from line {} on (first_line), found "
+                                     "none",
+                                     path.string(), form.first_line));
     if (table.names.empty())
         throw InputError(
             fmt::format("{}:1: expected a line of column names, found none", path.string()));

@@ -1,6 +1,7 @@
 #include "scenarios/monitoring/sensor_baseline.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/signal/median.hpp"
 #include "scenarios/monitoring/vibration.hpp"
 
 #include <fmt/format.h>
@@ -81,6 +82,11 @@ void estimate(SensorBaseline& b, const Collected& all, const MonitorSettings& se
     b.rotation = {std::sqrt(all.rotation_squares.roll / n),
                   std::sqrt(all.rotation_squares.pitch / n),
                   std::sqrt(all.rotation_squares.yaw / n)};
+    std::vector<double> quotients;
+    for (const Recording& r : all.recorded)
+        if (const double quotient = rate_per_force(r); std::isfinite(quotient))
+            quotients.push_back(quotient);
+    if (!quotients.empty()) b.rate_per_force = median(std::move(quotients));
     const auto runs = passing_runs(b, all, settings);
     std::size_t longest = 0;
     for (const auto& run : runs) longest = std::max(longest, run.size());

@@ -46,6 +46,7 @@ struct SensorBaseline {
     double outlier_share = 0;       ///< of its own points
     Spectrum spectrum;
     RollPitchYaw rotation;           ///< rad, root mean squares
+    double rate_per_force = 0;       ///< rad/s per m/s2, median; see vibration.hpp
     std::vector<Recording> recorded; ///< to find out if one of them is monitored
 };
 

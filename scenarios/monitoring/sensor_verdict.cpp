@@ -114,6 +114,19 @@ void decide(SensorResult& result, const MonitorSettings& s) {
                     alarm ? "more than" : "at most", 100 * s.alarm_share, result.level_ratio);
 }
 
+/// Why the angular rates seem to be in another unit than in the baseline: while a train passes,
+/// they are related to the accelerations; "".
+std::string reason_against_units(const Recording& r, const SensorBaseline& baseline) {
+    const double factor = rate_per_force(r) / baseline.rate_per_force; // NaN, infinite: unknown
+    const auto is_near = [&](double expected) {
+        return factor > expected / 1.5 && factor < expected * 1.5;
+    };
+    if (!is_near(180 / pi) && !is_near(pi / 180)) return {};
+    return fmt::format("expected angular rates related to the accelerations as in the baseline, "
+                       "found {:.3g} times as large: they seem to be in {}",
+                       factor, factor > 1 ? "deg/s" : "rad/s, not in deg/s");
+}
+
 /// Compares a recording with its baseline.
 void judge(SensorResult& result, const Recording& r, const SensorBaseline& baseline,
            const std::string& refusal, const MonitorSettings& s) {
@@ -130,6 +143,8 @@ void judge(SensorResult& result, const Recording& r, const SensorBaseline& basel
                                     baseline.train_threshold);
         return;
     }
+    result.reason = reason_against_units(r, baseline);
+    if (!result.reason.empty()) return;
     compare(result, r, train, baseline, s);
     decide(result, s);
 }

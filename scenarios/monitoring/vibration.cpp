@@ -116,6 +116,19 @@ Vibration passing_part(const Vibration& whole, double threshold) {
     return part;
 }
 
+double rate_per_force(const Recording& r) {
+    const auto squares = [](const std::vector<Vec3>& values) {
+        const Vec3 mean = mean_of(values, values.size());
+        double sum = 0;
+        for (const Vec3& v : values) sum += (v - mean).squaredNorm();
+        return sum;
+    };
+    if (r.rate.empty() || r.force.empty()) return std::numeric_limits<double>::quiet_NaN();
+    const double of_rate = squares(r.rate), of_force = squares(r.force);
+    return of_rate > 0 && of_force > 0 ? std::sqrt(of_rate / of_force)
+                                       : std::numeric_limits<double>::quiet_NaN();
+}
+
 RollPitchYaw rotation_rms(const Recording& r) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<Quat> attitudes = r.attitude;

@@ -33,6 +33,10 @@ Vibration vibration_of(const Recording& recording, const std::string& quantity, 
 /// there is none.
 Vibration passing_part(const Vibration& whole, double threshold);
 
+/// Root mean square of the angular rate over that of the specific force, each about its mean,
+/// rad/s per m/s2. NaN if one of the two was not recorded or does not vary.
+double rate_per_force(const Recording& recording);
+
 /// Root mean squares (rad) of roll, pitch and yaw about their straight lines of least squares: of
 /// the recorded attitudes, or else of the integrated angular rates less their mean (trapezium rule,
 /// from the attitude of the metadata). NaN if neither was recorded.

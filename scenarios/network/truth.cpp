@@ -23,7 +23,10 @@ std::vector<Train> read_timetable(const TruthSettings& s) {
     for (std::size_t k = 0; k < planned.size(); ++k) {
         const double least = trains.empty() ? rest : trains.back().arrival + s.passage + 2 * rest;
         const double at = std::isnan(arrival[k]) ? planned[k] : arrival[k];
-        require(std::isfinite(planned[k]) && at >= least && at < 1e9,
+        require(std::isfinite(planned[k]),
+                fmt::format("{}:{}: planned_s: expected a number, found {}", s.timetable.string(),
+                            table.lines[k], planned[k]));
+        require(at >= least && at < 1e9,
                 fmt::format("{}:{}: expected arrivals in order, here at least {:g} s, found {:g}",
                             s.timetable.string(), table.lines[k], least, at));
         trains.push_back({planned[k], at});

@@ -21,6 +21,15 @@ struct Inspection {
     /// Number of those among them that precede the start of the test.
     std::size_t still = 0;
 
+    /// Counts the samples at rest.
+    void find_rest() {
+        const Recording& r = recording;
+        rest = static_cast<std::size_t>(std::ranges::count_if(
+            r.time, [&](double t) { return t <= r.time.front() + limits.rest; }));
+        while (still < rest && (r.strain.empty() || !(r.strain[still] > 0)))
+            ++still; // NaN: strain was not sampled
+    }
+
     void note(std::string check, std::string text) const {
         findings.push_back(
             {Finding::Kind::note, recording.info.id, std::move(check), std::move(text)});
@@ -75,6 +84,13 @@ void check_device(const Inspection& at);
 
 /// Reports whether the magnetic field of the earth is steady, and the yaw that follows from it.
 void check_field(const Inspection& at);
+
+/// Compares the angular rates with the tilt that gravity shows, also where no other attitude is
+/// recorded: rates of one sensor with the opposite sign, and rates of all sensors (at least three)
+/// whose axes are exchanged or reversed, are refused. Tests of vibration and recordings whose rates
+/// are sparse single samples are not judged.
+void compare_turns(const std::vector<Recording>& recordings, const QualityControlLimits& limits,
+                   std::vector<Finding>& findings);
 
 /// Compares the displacements of all sensors that have not been refused: rocks move down with the
 /// upper platen, the more the higher they are.

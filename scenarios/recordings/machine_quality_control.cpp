@@ -156,6 +156,7 @@ public:
             note_missing(name_of_ring(r), [r](const TriaxialPoint& p) { return radius_of(p, r); });
         check_strain();
         check_q();
+        note_stiffness();
         for (std::size_t r = 0; r < rings; ++r) check_ring(r);
         check_volume(); // last, because the checked rings show whether its sign is right
         return std::move(findings_);
@@ -220,6 +221,32 @@ private:
                            .share_at_end = 0.85});
         q.reject_stuck(limits_.same_samples, limits_.stuck_q);
         for (std::size_t k = 0; k < measured_.size(); ++k) measured_[k].deviatoric_stress = q[k];
+    }
+
+    /// The secant modulus at half of the largest q shows an axial strain in another unit where its
+    /// size is possible.
+    void note_stiffness() {
+        double largest = 0;
+        std::size_t records = 0;
+        for (const TriaxialPoint& p : measured_) {
+            if (std::isnan(p.deviatoric_stress)) continue;
+            largest = std::max(largest, p.deviatoric_stress);
+            ++records;
+        }
+        if (records < limits_.for_stiffness || largest < pressure_) return;
+        const auto half = std::ranges::find_if(measured_, [&](const TriaxialPoint& p) {
+            return p.deviatoric_stress >= 0.5 * largest; // NaN: no
+        });
+        if (!(half->axial_strain > 0)) return;
+        const double stiffness = half->deviatoric_stress / half->axial_strain / pressure_;
+        if (stiffness >= limits_.least_stiffness && stiffness <= limits_.largest_stiffness) return;
+        findings_.push_back(
+            {Finding::Kind::note, test_machine, "axial_strain",
+             fmt::format("half of the largest q is reached at {:.3g} % of axial strain: a secant "
+                         "modulus of {:.3g} times the pressure, expected {:g} to {:g}: is the "
+                         "strain in another unit?",
+                         100 * half->axial_strain, stiffness, limits_.least_stiffness,
+                         limits_.largest_stiffness)});
     }
 
     void check_level(Channel& q) const {

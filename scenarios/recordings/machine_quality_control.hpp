@@ -21,6 +21,10 @@ struct MachineLimits {
     double largest_q = 30;
     /// Smallest median of q beyond 0.2 % of axial strain, relative to the confining pressure.
     double smallest_q = 0.02;
+    /// Usual secant modulus at half of the largest q, relative to the confining pressure: that of
+    /// ballast is some 100 to 2000; a shear wave shows 5000. Judged from this number of records on.
+    double least_stiffness = 25, largest_stiffness = 1e4;
+    std::size_t for_stiffness = 20;
     double compaction = 1; ///< largest, relative to axial strain: no lateral strain
     double dilation = 5;   ///< largest, relative to axial strain: a dilation angle of 46 degrees
     double first_volume = 1e-3; ///< allowance for membrane and platens, added to these two limits
@@ -38,7 +42,8 @@ struct MachineLimits {
 /// Checks the measurements of a test machine so far, in order of axial strain, and returns the
 /// findings. Removes (NaN) impossible samples, samples far from both neighbours, all but the first
 /// of stuck samples, and whole channels with a wrong unit or sign. The last sample has only one
-/// neighbour and may be a slip, so its tolerance is wider. `pressure`: confining, Pa.
+/// neighbour and may be a slip, so its tolerance is wider. A stiffness that no ballast has is
+/// noted. `pressure`: confining, Pa.
 std::vector<Finding> check_machine(std::vector<TriaxialPoint>& measured, double pressure,
                                    const MachineLimits& limits = {});
 

@@ -75,6 +75,11 @@ SensorInfo info_of(const Recording& recording) {
         if (const double interval = recording.time[k] - recording.time[k - 1]; interval > 0)
             intervals.push_back(interval);
     if (!intervals.empty()) info.sampling_rate = 1 / median(intervals);
+    for (const Quat& q : recording.attitude)
+        if (std::abs(q.norm() - 1) < 1e-3) {
+            info.set_pose(info.position(), q);
+            return info;
+        }
     const std::size_t start = std::min<std::size_t>(recording.force.size(), 100);
     const std::vector<Vec3> first(recording.force.begin(),
                                   recording.force.begin() + static_cast<std::ptrdiff_t>(start));
@@ -82,6 +87,11 @@ SensorInfo info_of(const Recording& recording) {
     if (const Vec3 up = median(first); up.allFinite() && up.norm() > 0)
         info.set_pose(info.position(), Quat::FromTwoVectors(up, Vec3::UnitZ()));
     return info;
+}
+
+/// Whether all recordings have attitudes.
+bool from_samples(const std::vector<Recording>& recordings) {
+    return std::ranges::none_of(recordings, [](const Recording& r) { return r.attitude.empty(); });
 }
 
 /// One metadata entry for each id in the file.
@@ -133,9 +143,12 @@ std::string write_new_recordings(const NewRecordings& s) {
     if (there > 0)
         text += fmt::format("{} files rock_NN.txt were there already, and are kept.\n", there);
     text +=
-        fmt::format("{} sensors; sampling rates are from the times, attitudes from the direction "
-                    "of gravity in the first samples.\n{}",
-                    recordings.size(), machine);
+        fmt::format("{} sensors; sampling rates are from the times, attitudes at the start "
+                    "{}.\n{}",
+                    recordings.size(),
+                    from_samples(recordings) ? "from qw qx qy qz in the first sample"
+                                             : "from the direction of gravity in the first samples",
+                    machine);
     text += fmt::format(
         "Still to be given in {}: rock_NN.txt: positions x y z, yaw, and the noise "
         "of your sensors; columns.txt: what is wrong in it{}.\n",

@@ -15,8 +15,8 @@ struct NewRecordings {
 
 /// Writes the skeleton of a folder of recordings: a copy of the samples as 55kPa/recordings.csv,
 /// columns.txt with the guessed column map, rock_NN.txt for each sensor id (sampling rate from the
-/// times, attitude from the direction of gravity at the start, all else as of a usual sensor), and
-/// for the machine 55kPa/test.csv and machine_columns.txt. Returns what was guessed and what is
+/// times, attitude as recorded or from the direction of gravity, all else as of a usual sensor),
+/// and for the machine 55kPa/test.csv and machine_columns.txt. Returns what was guessed and what is
 /// still to be given, a sentence a line. Throws InputError if a column that is needed is not found,
 /// or if the folder holds recordings already; OutputError.
 std::string write_new_recordings(const NewRecordings& settings);

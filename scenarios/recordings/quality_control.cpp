@@ -28,10 +28,7 @@ public:
                           fmt::format("expected at least two samples, found {}", r_.size()));
         if (!check_numbers() || !check_times() || !has_possible_strain(at_))
             return; // further checks would be meaningless
-        at_.rest = static_cast<std::size_t>(std::ranges::count_if(
-            r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
-        while (at_.still < at_.rest && (r_.strain.empty() || !(r_.strain[at_.still] > 0)))
-            ++at_.still; // NaN: strain was not sampled
+        at_.find_rest();
         check_clock();
         check_count(at_);
         check_device(at_);
@@ -255,6 +252,21 @@ double correlation(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
     return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
 }
 
+/// Refuses sensor rocks of a test at the same place: their metadata are not complete.
+void compare_positions(const std::vector<Recording>& recordings, std::vector<Finding>& findings) {
+    constexpr double nearest = 5e-3; // m, far less than the size of a rock
+    for (const Recording& r : recordings)
+        for (const Recording& other : recordings)
+            if (r.info.id != other.info.id && !r.strain.empty() && !other.strain.empty() &&
+                (r.info.position() - other.info.position()).norm() < nearest) {
+                findings.push_back({Finding::Kind::refusal, r.info.id, "position",
+                                    fmt::format("expected a rock at a place of its own, found it "
+                                                "at that of sensor {}: are x y z given?",
+                                                other.info.id)});
+                break;
+            }
+}
+
 } // namespace
 
 std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, const Vec3& gravity,
@@ -273,6 +285,8 @@ std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, 
                                                 "sensor {}",
                                                 other)});
         }
+    compare_positions(recordings, findings);
+    compare_turns(recordings, limits, findings);
     compare_displacements(recordings, findings);
     return findings;
 }

@@ -61,6 +61,8 @@ struct Finding {
 /// - displacements that jump, scatter, or are inconsistent with the strain or with other rocks;
 /// - attitudes that are not unit quaternions, or are inconsistent with the metadata, gravity or the
 ///   angular rates;
+/// - two rocks of a test at the same place;
+/// - angular rates whose sign or axes are inconsistent with the tilt by gravity;
 /// - a disturbed magnetic field (and the yaw from a steady one), temperatures, low batteries.
 ///
 /// Limits: the displacement of a rock cannot be distinguished from another one that a rock could

@@ -24,7 +24,7 @@ struct Stored {
 
 /// Reads the comment lines of the form "# name = number".
 std::map<std::string, Stored> read_stored(const std::filesystem::path& path) {
-    std::istringstream file(read_whole(path));
+    std::istringstream file(read_text(path));
     std::map<std::string, Stored> stored;
     std::string text;
     for (int line = 1; std::getline(file, text); ++line) {
@@ -89,9 +89,12 @@ Clump read_clump(const std::filesystem::path& path) {
     std::map<std::array<double, 4>, int> first; // line of each sphere
     for (std::size_t k = 0; k < radius.size(); ++k) {
         const Vec3 centre(x[k], y[k], z[k]);
-        require(centre.allFinite() && radius[k] > 0 && std::isfinite(radius[k]),
-                fmt::format("{}:{}: expected three finite coordinates and a positive radius",
-                            path.string(), table.lines[k]));
+        constexpr double farthest = 100; // m
+        require(centre.allFinite() && centre.cwiseAbs().maxCoeff() <= farthest && radius[k] > 0 &&
+                    radius[k] <= farthest,
+                fmt::format("{}:{}: expected three coordinates and a positive radius of at most "
+                            "{:g} m, found {:.4g}, {:.4g}, {:.4g} and {:.4g}",
+                            path.string(), table.lines[k], farthest, x[k], y[k], z[k], radius[k]));
         // two in one place would touch with twice the stiffness
         const auto [other, is_new] =
             first.try_emplace({x[k], y[k], z[k], radius[k]}, table.lines[k]);

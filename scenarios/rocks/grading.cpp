@@ -120,6 +120,8 @@ void check_rows(const std::filesystem::path& path, const Grading& grading,
             refuse(k, fmt::format("sieve_mm: expected at least 1/{:g} of the coarsest sieve, found "
                                   "{:.4g} mm",
                                   widest, 1e3 * sieve.size));
+        if (std::isnan(sieve.lower) != std::isnan(sieve.upper))
+            refuse(k, "limits: expected two numbers, or - in both columns, found one of each");
         if (!(sieve.lower >= 0 && sieve.upper <= 1 && sieve.lower <= sieve.upper))
             refuse(k, fmt::format("limits: expected 0 <= lower <= upper <= 100, found {} and {}",
                                   100 * sieve.lower, 100 * sieve.upper));
@@ -131,7 +133,10 @@ void check_rows(const std::filesystem::path& path, const Grading& grading,
             refuse(k, "limits: expected them not to increase towards finer sieves");
     }
     require(grading.sieves.size() >= 2,
-            path.string() + ": expected at least two sieves with limits");
+            path.string() + ":1: expected at least two sieves with limits");
+    if (grading.sieves.back().lower == 1)
+        refuse(grading.sieves.size() - 1,
+               "limits: expected less than 100 % to pass the finest sieve with limits");
     if (grading.sieves.front().lower < 1)
         refuse(0, "limits: expected 100 % to pass the coarsest sieve");
 }

@@ -1,6 +1,7 @@
 #include "scenarios/rocks/raw_mesh.hpp"
 
 #include "engine/errors.hpp"
+#include "scenarios/rocks/winding.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -82,6 +83,16 @@ void check_one_piece(const RawMesh& mesh) {
                              "connected with that of the first triangle");
 }
 
+/// Refuses a surface that passes through itself in more than the small folds that scans have.
+void check_passes(const std::filesystem::path& path, const Polyhedron& solid) {
+    constexpr double most = 0.01;
+    const double share = miscounted_share(solid);
+    require(share <= most,
+            fmt::format("{}:1: mesh: expected a surface that does not pass through itself, found "
+                        "{:.1f} % of its volume counted several times or as a hole",
+                        path.string(), 100 * share));
+}
+
 } // namespace
 
 Polyhedron closed_surface(RawMesh mesh) {
@@ -112,6 +123,7 @@ Polyhedron closed_surface(RawMesh mesh) {
     require(std::abs(volume) > 0, mesh.path.string() + ":1: mesh: expected a body with a volume");
     if (volume < 0)
         for (auto& triangle : solid.triangles) std::swap(triangle[1], triangle[2]);
+    check_passes(mesh.path, solid);
     return solid;
 }
 

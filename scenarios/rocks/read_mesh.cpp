@@ -74,12 +74,13 @@ Polyhedron read_stl(const std::filesystem::path& path) {
     std::uint32_t announced = 0;
     if (bytes.size() >= 84) std::memcpy(&announced, bytes.data() + 80, sizeof announced);
     const bool binary = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::size_t{announced};
-    return closed_surface(binary ? read_binary_stl(path, bytes) : read_text_stl(path, bytes));
+    return closed_surface(binary ? read_binary_stl(path, bytes)
+                                 : read_text_stl(path, read_text(path)));
 }
 
 Polyhedron read_obj(const std::filesystem::path& path) {
     RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}};
-    std::istringstream text(read_whole(path));
+    std::istringstream text(read_text(path));
     std::string line, word;
     for (std::size_t number = 1; std::getline(text, line); ++number) {
         const auto refuse = [&](const std::string& what) {

@@ -11,8 +11,8 @@ namespace bris {
 /// thereby are dropped. A surface that is inside out is reversed. Lengths stay as in the file.
 /// Throws InputError, one line with file:line (binary: the triangle), if the file does not have
 /// this format, or if the surface is open or not a manifold: every edge must belong to exactly two
-/// triangles that traverse it in opposite directions. Throws OutputError if the file cannot be
-/// read.
+/// triangles that traverse it in opposite directions, in one piece, and the surface must not pass
+/// through itself (1 % of the volume is tolerated). Throws OutputError if the file cannot be read.
 Polyhedron read_stl(const std::filesystem::path& path);
 
 /// The same from the v and f lines of a Wavefront OBJ file. Polygons are divided into fans of

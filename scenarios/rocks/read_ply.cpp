@@ -105,11 +105,13 @@ private:
 
     void read_element(std::istream& words) {
         Element element;
-        if (!(words >> element.name >> element.rows)) refuse("expected \"element NAME COUNT\"");
-        if (element.rows > bytes_.size()) // each row takes at least one byte
+        std::int64_t rows = 0;
+        if (!(words >> element.name >> rows)) refuse("expected \"element NAME COUNT\"");
+        if (rows < 0 || rows > std::ssize(bytes_)) // each row takes at least one byte
             refuse(fmt::format("element {}: expected at most {} rows in a file of this size, "
                                "found {}",
-                               element.name, bytes_.size(), element.rows));
+                               element.name, bytes_.size(), rows));
+        element.rows = static_cast<std::size_t>(rows);
         elements_.push_back(std::move(element));
     }
 
@@ -236,7 +238,7 @@ private:
 } // namespace
 
 Polyhedron read_ply(const std::filesystem::path& path) {
-    const std::string bytes = read_whole(path);
+    const std::string bytes = read_text(path);
     return closed_surface(PlyReader(path, bytes).read());
 }
 

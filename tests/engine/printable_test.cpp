@@ -1,6 +1,9 @@
+#include "engine/errors.hpp"
 #include "engine/printable.hpp"
 
 #include <doctest/doctest.h>
+
+#include <string>
 
 using namespace bris;
 
@@ -15,5 +18,10 @@ TEST_SUITE("engine/printable") {
         CHECK(printable("\xc2\x9b") == "\\xc2\\x9b");          // a control character of 8 bits
         CHECK(printable("a\u202eb") == "a\\xe2\\x80\\xaeb");   // reverses the text after it
         CHECK(printable(std::string_view("\0", 1)) == "\\x00");
+    }
+
+    TEST_CASE("the message of an error does not end at a zero byte of a file that it cites") {
+        using namespace std::string_literals;
+        CHECK(InputError("a.stl:1: found \"so\0lid\""s).what() == "a.stl:1: found \"so\\x00lid\""s);
     }
 }

@@ -140,5 +140,8 @@ TEST_SUITE("engine/io/column_map") {
         // a decimal point in a file with decimal commas
         CHECK(why("T;A\n1;2.5\n") == "a.csv:2: column 'A': expected a number, found \"2.5\"");
         CHECK(why("T;A\n1;high\n") == "a.csv:2: column 'A': expected a number, found \"high\"");
+        const CsvForm late = files.map("first_line = 9\nt = T\n");
+        CHECK(files.complaint([&] { (void)files.table(late, "T\n1\n2\n"); }) ==
+              "a.csv: expected numbers from line 9 on (first_line), found none");
     }
 }

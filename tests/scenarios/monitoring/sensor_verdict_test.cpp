@@ -2,6 +2,7 @@
 #include "engine/estimation/detection.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/random.hpp"
+#include "engine/signal/median.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
 #include "tests/temporary_directory.hpp"
@@ -140,6 +141,16 @@ TEST_SUITE("monitoring/sensor_verdict") {
              [](Recording& r) { // milliseconds taken for kiloseconds
                  r.sequence.clear();
                  for (double& t : r.time) t /= 1000;
+             }},
+            {"they seem to be in deg/s",
+             [](Recording& r) {
+                 // without the bias, by which quality control would tell
+                 const Vec3 bias = median(std::vector(r.rate.begin(), r.rate.begin() + 200));
+                 for (Vec3& w : r.rate) w = 180 / pi * (w - bias);
+             }},
+            {"they seem to be in rad/s",
+             [](Recording& r) {
+                 for (Vec3& w : r.rate) w *= pi / 180;
              }},
             {"no acceleration", [](Recording& r) { r.force.clear(); }},
             {"of the baseline", [](Recording& r) { r = passage("clean", 3).recordings[0]; }}};

@@ -196,6 +196,18 @@ TEST_SUITE("recordings/machine_quality_control") {
               }).refuses("deviatoric_stress_Pa", "is it in kPa?"));
     }
 
+    TEST_CASE("an axial strain in another unit whose size is possible is noted by the stiffness") {
+        const auto strain_times = [](double factor) {
+            return checked_test([&](TriaxialPoint& p, std::size_t) { p.axial_strain *= factor; });
+        };
+        CHECK(strain_times(1).findings.empty());
+        CHECK(strain_times(3).findings.empty());
+        CHECK(strain_times(0.1).notes("axial_strain", "is the strain in another unit?"));
+        const CheckedTest short_test = checked_test(
+            [](TriaxialPoint& p, std::size_t) { p.axial_strain *= 100; }, 41); // to 0.4 %
+        CHECK(short_test.notes("axial_strain", "is the strain in another unit?"));
+    }
+
     TEST_CASE("q that is stuck while the strain increases is left out until it changes again") {
         const CheckedTest l = checked_test([](TriaxialPoint& p, std::size_t k) {
             if (k >= 100 && k < 200) p.deviatoric_stress = 2e5;

@@ -75,6 +75,31 @@ TEST_SUITE("recordings/recordings_scenario") {
         CHECK(has(read_whole(folder / "out/summary.json"), "\"165kPa_sensors_accepted\": 10"));
     }
 
+    TEST_CASE("a test that cannot be read does not keep the others from being judged") {
+        const TemporaryDirectory folder;
+        const fs::path own = folder / "own", out = folder / "out";
+        fs::copy(assets_folder() / "smartrock", own, fs::copy_options::recursive);
+        fs::remove(own / "110kPa/test.csv");
+        const Outcome outcome =
+            run_process({"recordings", own.string(), "--out", out.string(), "--quiet"});
+        CHECK(outcome.code == 4);
+        CHECK(has(outcome.err, "test.csv"));
+        CHECK(has(outcome.out, "165kPa: all 10 sensors are accepted"));
+        CHECK(has(read_whole(out / "quality_control.txt"), "165kPa\n"));
+        CHECK(has(read_whole(out / "summary.json"), "\"55kPa_sensors_accepted\": 10"));
+    }
+
+    TEST_CASE("attitudes that are recorded become those of the start") {
+        const TemporaryDirectory folder;
+        write_whole(folder / "a.csv", "t,id,ax,ay,az,qw,qx,qy,qz\n0.01,1,0,0,9.8,0.6,0,0,0.8\n"
+                                      "0.02,1,0,0,9.8,0.6,0,0,0.8\n");
+        const Outcome outcome = run_process({"recordings", "--new", (folder / "a.csv").string(),
+                                             "--out", (folder / "out").string()});
+        CHECK(outcome.code == 0);
+        CHECK(has(outcome.out, "from qw qx qy qz in the first sample"));
+        CHECK(read_sensor_info(folder / "out/rock_01.txt").qz == about(0.8));
+    }
+
     TEST_CASE("a CSV file of another make becomes a folder of recordings with the same numbers") {
         const TemporaryDirectory folder;
         const fs::path example = assets_folder() / "smartrock";
@@ -99,9 +124,14 @@ TEST_SUITE("recordings/recordings_scenario") {
         const QualityControlSettings settings{.columns = folder / "made/columns.txt",
                                               .machine_columns =
                                                   folder / "made/machine_columns.txt"};
-        const auto own = read_sensor_infos(made);
+        auto own = read_sensor_infos(made);
         REQUIRE(own.size() == infos.size());
         CHECK(own[3].sampling_rate == about(infos[3].sampling_rate).epsilon(0.01));
+        CHECK(read_recorded_test(made, 55e3, own, settings).refused() == 10); // without positions
+        for (std::size_t k = 0; k < own.size(); ++k) {
+            own[k].set_pose(infos[k].position(), own[k].attitude());
+            write_sensor_info(fs::path(made) / fmt::format("rock_{:02}.txt", own[k].id), own[k]);
+        }
         const RecordedTest back = read_recorded_test(made, 55e3, own, settings);
         REQUIRE(back.recordings.size() == original.recordings.size());
         for (std::size_t r = 0; r < back.recordings.size(); ++r) {

@@ -59,6 +59,11 @@ TEST_SUITE("rocks/clump_library") {
         std::ofstream(twice) << whole << whole.substr(whole.rfind('\n', whole.size() - 2) + 1);
         CHECK_THROWS_WITH_AS(read_clump(twice), doctest::Contains("expected each sphere once"),
                              InputError);
+        std::ofstream(twice) << whole << "1e300,0,0,1\n";
+        CHECK_THROWS_WITH_AS(read_clump(twice), doctest::Contains("radius of at most 100 m"),
+                             InputError);
+        std::ofstream(twice) << "\xef\xbb\xbf" << whole; // as an editor may save it
+        CHECK(read_clump(twice).volume == made.volume);
         for (const char* name : {"volume = ", "inertia_y = ", "sieve = "}) {
             std::string wrong = text.str();
             wrong.insert(wrong.find(name) + std::string(name).size(), 1, '1');

@@ -123,6 +123,11 @@ TEST_SUITE("rocks/grading") {
         CHECK_THROWS_WITH_AS(grading_of("40,100,100\n20,10,40\n10,20,30\n"),
                              doctest::Contains(":4:"), InputError);
         CHECK_THROWS_AS(grading_of("40,90,100\n20,10,40\n"), InputError);
+        CHECK_THROWS_WITH_AS(grading_of("40,100,100\n30,-,90\n20,10,40\n"),
+                             doctest::Contains(":3: limits: expected two numbers, or -"),
+                             InputError);
+        CHECK_THROWS_WITH_AS(grading_of("40,100,100\n20,100,100\n"),
+                             doctest::Contains(":3: limits: expected less than 100 %"), InputError);
         // in metres, in micrometres, and sieves that no sample can span
         CHECK_THROWS_WITH_AS(grading_of("0.04,100,100\n0.02,10,40\n"),
                              doctest::Contains("is it in another unit?"), InputError);
