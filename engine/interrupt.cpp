@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 #include <unistd.h>
 
 namespace bris {
@@ -11,10 +13,20 @@ namespace {
 // a signal handler can only access static data; lock-free, so that both the handler and threads may
 // use it
 std::atomic<int> requests{0};
-static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<std::int64_t> first_request{0}; // s
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
+
+constexpr std::int64_t patience = 5; // s; queueing systems send a signal twice at once
 
 extern "C" void ask_to_stop(int signal) {
-    if (requests.fetch_add(1) > 0 && signal == SIGINT) _exit(130);
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if (requests.fetch_add(1) == 0) {
+        first_request.store(now.tv_sec);
+        return;
+    }
+    const bool is_impatient = now.tv_sec - first_request.load() >= patience;
+    if (signal == SIGINT || (signal == SIGTERM && is_impatient)) _exit(130);
 }
 
 } // namespace

@@ -10,6 +10,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <sstream>
@@ -87,6 +88,8 @@ std::string words(const Range& range) {
     return text;
 }
 
+bool has_limit(const Range& range) { return std::isfinite(range.low) || std::isfinite(range.high); }
+
 bool has_usual(const Range& range) { return std::isfinite(range.usual_low); }
 
 bool is_usual(const Range& range, double x) {
@@ -97,7 +100,7 @@ bool is_usual(const Range& range, double x) {
 std::string hint_at_unit(const Range& range, double x) {
     for (const auto& [factor, power] :
          {std::pair{1e3, "e3"}, {1e-3, "e-3"}, {1e6, "e6"}, {1e-6, "e-6"}})
-        if (x > 0 && is_usual(range, factor * x)) return fmt::format(": {:g}{}?", x, power);
+        if (x > 0 && is_usual(range, factor * x)) return fmt::format(": {:.15g}{}?", x, power);
     return "";
 }
 
@@ -155,7 +158,13 @@ private:
     void whole(T* value) const {
         T x = 0;
         if (!read_number(text, x) || !contains(range, static_cast<double>(x)))
-            reject(where, "a whole number" + words(range) + in_unit(unit), text);
+            reject(where,
+                   "a whole number" +
+                       (has_limit(range)
+                            ? words(range)
+                            : fmt::format(" from 0 to {}", std::numeric_limits<T>::max())) +
+                       in_unit(unit),
+                   text);
         *value = x;
     }
 };

@@ -54,6 +54,8 @@ void choose(FieldSet& set, const std::string& names) {
         const auto* field = set.find(name);
         require(field != nullptr,
                 fmt::format("--fields: expected names among {}, found \"{}\"", all, name));
+        require(std::ranges::find(chosen, name, &FieldSet::Field::name) == chosen.end(),
+                fmt::format("--fields: expected each name once, found \"{}\" twice", name));
         chosen.push_back(*field);
         at = end + 1;
     }

@@ -5,6 +5,7 @@
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/message.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
@@ -124,6 +125,11 @@ std::filesystem::path prepare_stream(const Live& s, const Common& common) {
              stream_of(s.stream, s.stage_time, s.live.quality_control.rest))
             text += line + "\n";
     const auto log = common.out / log_name;
+    std::error_code error;
+    require(!std::filesystem::equivalent(s.stream, log, error),
+            fmt::format("--stream, --out: expected two files, found '{}' as the stream and as the "
+                        "log of it",
+                        log.string()));
     const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
     if (!goes_on && std::filesystem::exists(log)) { // it may be the only copy of a test
         auto kept = log.string() + ".before";
@@ -416,6 +422,9 @@ void LiveRun::report() {
     summary.add("sensors_refused", measured.refused());
     summary.add("machine_channels_refused", refused_channels(measured));
     summary.add("records", records_);
+    if (records_ == 0)
+        say("live_triaxial: warning: no record of the stream could be used; quality_control.txt "
+            "says why");
     const auto quantile = [](std::vector<double> times, double share) {
         std::ranges::sort(times);
         return times.empty()

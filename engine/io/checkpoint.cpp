@@ -219,7 +219,8 @@ Checkpoint read_content(const fs::path& path) {
 
 } // namespace
 
-void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
+void write_checkpoint(const std::filesystem::path& name, const Checkpoint& checkpoint) {
+    const fs::path path = file_to_write(name);
     // the process id, because two runs into one directory must not share the unfinished file
     fs::path unfinished = path;
     unfinished += fmt::format(".{}.tmp", getpid());

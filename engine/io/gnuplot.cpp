@@ -1,5 +1,7 @@
 #include "engine/io/gnuplot.hpp"
 
+#include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
 #include "engine/message.hpp"
 
 #include <fmt/format.h>
@@ -64,10 +66,16 @@ std::string gnuplot_quoted(const std::string& text) {
     return out + "'";
 }
 
-bool draw_with_gnuplot(const std::filesystem::path& png, unsigned width, unsigned height,
+bool draw_with_gnuplot(const std::filesystem::path& name, unsigned width, unsigned height,
                        std::string_view commands, std::string_view data) {
     if (std::system("command -v gnuplot >/dev/null 2>&1") != 0)
-        return complain(png, "gnuplot is not installed (Debian package gnuplot-nox)");
+        return complain(name, "gnuplot is not installed (Debian package gnuplot-nox)");
+    std::filesystem::path png;
+    try {
+        png = file_to_write(name);
+    } catch (const OutputError& problem) {
+        return complain(name, problem.what());
+    }
     std::error_code error;
     if (png.has_parent_path()) std::filesystem::create_directories(png.parent_path(), error);
     std::filesystem::path unfinished = png;

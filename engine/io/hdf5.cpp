@@ -219,7 +219,8 @@ void Hdf5File::initialise() {
     H5open();
 }
 
-Hdf5File Hdf5File::create(const std::filesystem::path& path) {
+Hdf5File Hdf5File::create(const std::filesystem::path& name) {
+    const std::filesystem::path path = file_to_write(name);
     const Alone alone;
     std::error_code error;
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);

@@ -49,6 +49,21 @@ void require_regular_file(const std::filesystem::path& path) {
                                       kind_of(type)));
 }
 
+std::filesystem::path file_to_write(const std::filesystem::path& path) {
+    std::error_code error;
+    const auto type = std::filesystem::status(path, error).type();
+    using enum std::filesystem::file_type;
+    if (type == fifo || type == socket || type == character || type == block)
+        throw OutputError(fmt::format("cannot write '{}': expected a file, found {}", path.string(),
+                                      kind_of(type)));
+    std::filesystem::path target = path; // which may not be there yet
+    for (int links = 0; std::filesystem::is_symlink(target, error); ++links) {
+        if (links == 40) fail("write", path, ELOOP);
+        target = target.parent_path() / std::filesystem::read_symlink(target, error);
+    }
+    return target;
+}
+
 std::string read_whole(const std::filesystem::path& path) {
     require_regular_file(path);
     const File file(std::fopen(path.c_str(), "rb"));
@@ -68,7 +83,8 @@ std::string read_text(const std::filesystem::path& path) {
     return text;
 }
 
-void write_whole(const std::filesystem::path& path, std::string_view content) {
+void write_whole(const std::filesystem::path& name, std::string_view content) {
+    const std::filesystem::path path = file_to_write(name);
     std::error_code error;
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
     if (error) fail("write", path, error.value());

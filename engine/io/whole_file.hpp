@@ -11,6 +11,11 @@ namespace bris {
 /// it opens one; only LineSource reads pipes.
 void require_regular_file(const std::filesystem::path& path);
 
+/// The file that is to be written under this name: `path`, or what it leads to if it is a symbolic
+/// link. Throws OutputError if that is there and is something else than a file, which a new file
+/// would replace without a word. Every writer of a file calls it before it opens one.
+std::filesystem::path file_to_write(const std::filesystem::path& path);
+
 /// The content of a file. Throws OutputError if it cannot be read.
 std::string read_whole(const std::filesystem::path& path);
 /// The same without the byte order mark with which spreadsheets begin a file of UTF-8.

@@ -94,6 +94,10 @@ void check_shear_box(const ShearBox& box) {
             "--vci: expected no --fouling-p4, --fouling-file and --saturation beside values above "
             "0, found them");
     require(
+        box.fines != "grains" || !box.fouling.any(),
+        "--fines: expected no --fouling-p4, --fouling-file and --saturation beside grains, whose "
+        "amount is that of --vci, found them");
+    require(
         box.displacement <= box.length / 3,
         fmt::format("--displacement: expected at most a third of --length, {:g} m, found {:g} m",
                     box.length / 3, box.displacement));

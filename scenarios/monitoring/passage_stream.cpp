@@ -80,7 +80,7 @@ void PassageStream::take(const LineSource::Line& line) {
         auto record = parser_.parse(line);
         if (!record) return;
         if (record->has("end"))
-            over_ = true;
+            over_ = record->number("end") != 0;
         else
             take_record(std::move(*record));
     } catch (const InputError& e) {

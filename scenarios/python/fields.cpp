@@ -28,7 +28,6 @@ const FieldSet::Field& field_named(const FieldSet& set, const std::string& name)
 } // namespace
 
 py::dict field_of(const World& world, const std::string& name, double voxel) {
-    require(voxel > 0, fmt::format("field: expected voxels above 0 m, found {:g}", voxel));
     const FieldSet set = fields_of(world, {.voxel = voxel});
     const FieldSet::Field& field = field_named(set, name);
     const VoxelRange range = shown_range(set.blocks, set.shown);

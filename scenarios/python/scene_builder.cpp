@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace bris {
@@ -161,9 +162,9 @@ void SceneBuilder::add_membrane(double radius, double height, unsigned rings, un
     positive("height", height);
     positive("pressure", pressure);
     positive("contact_stiffness", contact_stiffness);
-    require(rings >= 1 && sectors >= 4,
-            fmt::format("membrane: expected at least 1 ring and 4 sectors, found {} and {}", rings,
-                        sectors));
+    require(rings >= 1 && sectors >= 4 && rings <= 1000 && sectors <= 1000,
+            fmt::format("membrane: expected 1 to 1000 rings and 4 to 1000 sectors, found {} and {}",
+                        rings, sectors));
     add_tube(world(), {rings, sectors, radius, height, pressure, contact_stiffness}, material);
 }
 
@@ -179,6 +180,11 @@ void SceneBuilder::add_sensor(EntityId body, const std::vector<double>& times,
                         positions.size(), times.size()));
     require(deviation > 0,
             fmt::format("sensor: expected a standard deviation above 0 m, found {:g}", deviation));
+    for (std::size_t k = 0; k < times.size(); ++k)
+        require(std::isfinite(times[k]) && positions[k].allFinite(),
+                fmt::format("sensor: expected finite times and positions, found others in sample "
+                            "{}",
+                            k));
     (void)value_of<Position>(world(), body);
     hosts_.push_back(body);
     auto& samples = samples_.emplace_back();

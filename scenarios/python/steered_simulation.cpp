@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
+#include "engine/stopwatch.hpp"
 #include "scenarios/python/arrays.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/start.hpp"
@@ -12,7 +13,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <pybind11/stl.h>
+#include <variant>
 #include <vector>
 
 namespace bris {
@@ -70,6 +73,7 @@ SteeredSimulation::SteeredSimulation(SceneBuilder& scene, const std::string& law
                         "contact, found {:.4g} s",
                         longest, dt));
     if (world().has_resource<InertialRecorders>()) start_recording(world());
+    scene_ = fmt::format("{} {:016x}", law, fingerprint());
 }
 
 const Simulation& SteeredSimulation::idle() const {
@@ -96,8 +100,18 @@ void SteeredSimulation::advance(std::uint64_t steps) {
         show_velocities(world());
     moved_ = written_ = false;
     const Busy busy(busy_); // ends after the lock has been taken again
-    const py::gil_scoped_release release;
-    simulation.advance(steps);
+    // in pieces of about a tenth of a second, so that Ctrl-C can end it
+    for (std::uint64_t piece = 1; steps > 0;) {
+        piece = std::min(piece, steps);
+        const auto began = this_instant();
+        {
+            const py::gil_scoped_release release;
+            simulation.advance(piece);
+        }
+        steps -= piece;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        piece = seconds_since(began) < 0.05 ? 2 * piece : std::max<std::uint64_t>(1, piece / 2);
+    }
 }
 
 std::uint64_t SteeredSimulation::fingerprint() const {
@@ -112,6 +126,12 @@ py::array SteeredSimulation::view(const py::object& self, const std::string& tab
     };
     Column& found = column_named(world(), table, column);
     if (write) {
+        // numbers of rows, materials, kinds of motion, and shapes cannot be checked step by step
+        require(
+            found.type().scalar == Scalar::real && table != Spheres::name,
+            fmt::format("view: expected a column of real numbers of bodies, boundaries or pairs "
+                        "to write to, found {}.{}",
+                        table, column));
         moved_ = moved_ || column == Position::name || column == Orientation::name;
         written_ = true;
     }
@@ -172,15 +192,25 @@ py::list SteeredSimulation::recordings(bool exact) const {
 }
 
 void SteeredSimulation::save(const std::filesystem::path& path) const {
-    write_checkpoint(
-        path,
-        {scenario_of_checkpoints, idle().world().resource<Clock>().step, {}, idle().snapshot()});
+    write_checkpoint(path, {scenario_of_checkpoints,
+                            idle().world().resource<Clock>().step,
+                            {{"scene", scene_}},
+                            idle().snapshot()});
 }
 
 void SteeredSimulation::load(const std::filesystem::path& path) {
     Simulation& simulation = idle();
     require_no_views();
-    simulation.restore(read_checkpoint(path).state);
+    const Checkpoint checkpoint = read_checkpoint(path);
+    const auto scene = std::ranges::find(checkpoint.settings, "scene", &NamedValue::key);
+    const auto* name =
+        scene == checkpoint.settings.end() ? nullptr : std::get_if<std::string>(&scene->value);
+    require(checkpoint.scenario == scenario_of_checkpoints && name != nullptr && *name == scene_,
+            fmt::format("load: expected a checkpoint of this scene and law, found '{}', one of {}",
+                        path.string(),
+                        checkpoint.scenario == scenario_of_checkpoints ? "another scene or law"
+                                                                       : checkpoint.scenario));
+    simulation.restore(checkpoint.state);
     moved_ = written_ = false;
 }
 

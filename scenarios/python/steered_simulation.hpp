@@ -25,11 +25,12 @@ public:
     SteeredSimulation(SceneBuilder& scene, const std::string& law, unsigned threads);
 
     World& world() { return idle().world(); }
-    /// Throws pybind11::buffer_error while arrays show columns.
+    /// Throws pybind11::buffer_error while arrays show columns. Ctrl-C ends it between two steps.
     void advance(std::uint64_t steps);
     std::uint64_t fingerprint() const;
 
-    /// Array that shows a State column. Throws InputError if there is none of this name. `self` is
+    /// Array that shows a State column. Throws InputError if there is none of this name, or if
+    /// indices or the shapes of bodies are to be written. `self` is
     /// the Python object of this simulation.
     pybind11::array view(const pybind11::object& self, const std::string& table,
                          const std::string& column, bool write);
@@ -43,7 +44,8 @@ public:
     pybind11::list recordings(bool exact) const;
 
     void save(const std::filesystem::path& path) const;
-    /// Restores State that was saved from the same scene.
+    /// Restores State that was saved from the same scene with the same law. Throws InputError, and
+    /// changes nothing, if it is of another one.
     void load(const std::filesystem::path& path);
 
 private:
@@ -53,6 +55,7 @@ private:
     void require_no_views() const;
 
     Simulation simulation_;
+    std::string scene_; ///< names the law and, by its fingerprint, the scene at the start
     bool busy_ = false; // changed and read only by the thread that holds Python's lock
     std::shared_ptr<int> views_ = std::make_shared<int>(0);
     bool moved_ = false, written_ = false; // through writable arrays, since the last step

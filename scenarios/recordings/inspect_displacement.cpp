@@ -85,6 +85,12 @@ void check_displacement(const Inspection& at) {
         is_stuck(at, "displacement", r.displacement, r.info.displacement_noise) ||
         has_stuck_axis(at, "displacement", r.displacement))
         return;
+    constexpr double farthest = 100; // m
+    const auto possible = [](const Vec3& u) { return u.cwiseAbs().maxCoeff() <= farthest; };
+    if (const auto wrong = std::ranges::find_if_not(r.displacement, possible);
+        wrong != r.displacement.end())
+        return at.refuse("displacement", fmt::format("expected at most {:g} m, found {:.4g} m",
+                                                     farthest, wrong->cwiseAbs().maxCoeff()));
     check_jumps(at);
     check_scatter(at, "displacement", r.displacement, r.info.displacement_noise,
                   height_of_specimen(at) * strain_step(at), "mm", 1e-3);

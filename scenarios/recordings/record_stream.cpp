@@ -25,7 +25,9 @@ double StreamRecord::number(const std::string& name) const {
 }
 
 std::optional<StreamRecord> RecordParser::parse(const LineSource::Line& line) {
-    const auto first = line.text.find_first_not_of(" \t\r");
+    constexpr std::string_view mark = "\xef\xbb\xbf"; // a byte order mark
+    const std::size_t begin = line.text.starts_with(mark) ? mark.size() : 0,
+                      first = line.text.find_first_not_of(" \t\r", begin);
     if (first == std::string::npos || line.text[first] == '#') return {};
     if (!line.whole)
         refuse(line, fmt::format("expected a whole line, found a truncated one: \"{}\"",
@@ -33,7 +35,7 @@ std::optional<StreamRecord> RecordParser::parse(const LineSource::Line& line) {
     StreamRecord record{line.number, line.arrived, {}};
     if (line.text[first] == '{') {
         try {
-            record.numbers = json_numbers(line.text);
+            record.numbers = json_numbers(line.text.substr(begin));
         } catch (const InputError& e) {
             refuse(line, e.what());
         }

@@ -1,6 +1,7 @@
 #include "scenarios/rocks/grading.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/random.hpp"
 
@@ -55,6 +56,7 @@ std::vector<RockChoice> lay_out(const Grading& grading, std::span<const Clump> c
         return grading.size_at(1 - (1 - truncated) * laid / total);
     };
     for (double laid = 0; rocks.size() < most;) {
+        if (interrupted()) throw Interrupted("interrupted; nothing was written");
         const std::size_t clump = deck.draw();
         const double volume = unit_volume(clumps[clump]);
         // the middle of the rock depends on its size, which falls along the curve: bisection

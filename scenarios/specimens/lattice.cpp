@@ -1,6 +1,7 @@
 #include "scenarios/specimens/lattice.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/random.hpp"
 
 #include <fmt/format.h>
@@ -9,13 +10,20 @@ namespace bris {
 
 std::vector<Vec3> lattice_sites(const Lattice& l, std::size_t count,
                                 const std::function<bool(const Vec3&)>& inside) {
+    constexpr double most = 1e9;
+    const Vec3 places = (l.high - l.low) / l.pitch;
+    require(places.prod() <= most,
+            fmt::format("lattice: expected a vessel with at most {:g} places at a distance of "
+                        "{:g} m, found one of {:.3g} x {:.3g} x {:.3g} m",
+                        most, l.pitch, l.high.x() - l.low.x(), l.high.y() - l.low.y(),
+                        l.high.z() - l.low.z()));
     std::array<int, 3> n{};
-    for (int a = 0; a < 3; ++a)
-        n[static_cast<std::size_t>(a)] = static_cast<int>((l.high[a] - l.low[a]) / l.pitch);
+    for (int a = 0; a < 3; ++a) n[static_cast<std::size_t>(a)] = static_cast<int>(places[a]);
     const Vec3 middle = 0.5 * (l.low + l.high);
     std::vector<Vec3> sites;
     for (int k = 0; k < n[2]; ++k)
-        for (int j = 0; j < n[1]; ++j)
+        for (int j = 0; j < n[1]; ++j) {
+            if (interrupted()) throw Interrupted("interrupted; nothing was written");
             for (int i = 0; i < n[0]; ++i) {
                 if (sites.size() == count) return sites;
                 // centred in x and y, from the floor upwards in z
@@ -26,6 +34,7 @@ std::vector<Vec3> lattice_sites(const Lattice& l, std::size_t count,
                 Random random(l.seed, sites.size());
                 sites.push_back(site + l.shift * l.pitch * random.uniform() * random.direction());
             }
+        }
     require(sites.size() == count,
             fmt::format(
                 "lattice: expected room for {} spheres, found {}; choose fewer spheres or a taller "

@@ -7,6 +7,8 @@
 #include "systems/fields/image_file.hpp"
 #include "systems/fields/smooth.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -134,6 +136,17 @@ void add_fouling(FieldSet& set, const World& world, const Fouling& f, int half_w
         [&](std::uint32_t n) { return measures(n).saturation; });
 }
 
+/// Refuses voxels that memory cannot hold, or whose numbers would overflow.
+void check_voxel(double voxel, const Box3& rocks) {
+    constexpr double most = 1e9;
+    const Vec3 size = rocks.high - rocks.low;
+    require(voxel > 0 && std::isfinite(voxel) && (size / voxel).maxCoeff() < most &&
+                (size / voxel).prod() <= most,
+            fmt::format("voxel: expected at most {:g} in the box of the rocks, {:.3g} x {:.3g} x "
+                        "{:.3g} m, found voxels of {:g} m",
+                        most, size.x(), size.y(), size.z(), voxel));
+}
+
 } // namespace
 
 FieldSet fields_of(const World& world, const FieldSetSettings& settings) {
@@ -143,6 +156,7 @@ FieldSet fields_of(const World& world, const FieldSetSettings& settings) {
     std::optional<Fouling> fouling;
     if (world.has_resource<Fouling>()) fouling = present_fouling(world);
     const double voxel = fouling ? fouling->settings.voxel : settings.voxel;
+    check_voxel(voxel, rocks);
     SolidFraction solid(Lattice{Vec3::Constant(0.5 * voxel), voxel},
                         static_cast<int>(settings.samples));
     Box3 covered = rocks;
@@ -194,6 +208,10 @@ std::vector<FieldToWrite> FieldSet::to_write() const {
 
 void write_fields(const FieldSet& set, const std::filesystem::path& folder, const std::string& name,
                   double time, const std::vector<NamedValue>& meta) {
+    require(!shown_range(set.blocks, set.shown).empty(),
+            fmt::format("fields: expected voxels of which rocks fill {:g} or more, found none: are "
+                        "voxels of {:g} m larger than the scene?",
+                        least_shown, set.blocks.lattice().size));
     write_vdb(folder / (name + ".vdb"), set.blocks, set.to_write(), time, meta);
     write_image(folder / (name + ".vtkhdf"), set.blocks, set.to_write(), time, meta);
 }

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/limited_child.hpp"
+#include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
@@ -257,9 +258,10 @@ Found read_grid(const std::filesystem::path& path, const std::string& name) {
 
 } // namespace
 
-void write_vdb(const std::filesystem::path& path, const VoxelBlocks& blocks,
+void write_vdb(const std::filesystem::path& name, const VoxelBlocks& blocks,
                const std::vector<FieldToWrite>& fields, double time,
                const std::vector<NamedValue>& meta) {
+    const std::filesystem::path path = file_to_write(name);
     openvdb::initialize();
     openvdb::GridPtrVec grids;
     for (const FieldToWrite& field : fields) grids.push_back(to_vdb(field, blocks, time));

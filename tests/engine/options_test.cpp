@@ -89,6 +89,9 @@ TEST_SUITE("engine/options") {
         CHECK(complaint({"--bodies", "--membrane"}) == "--bodies: expected a value, found nothing");
         CHECK(complaint({"--membrane", "word"}) ==
               "--membrane: expected true or false, found \"word\"");
+        CHECK(complaint({"--seed", "18446744073709551616"}) ==
+              "--seed: expected a whole number from 0 to 18446744073709551615, found "
+              "\"18446744073709551616\"");
         CHECK(complaint({"--bodies", std::string(3'000'000, '1')}).size() < 300);
         CHECK(complaint({"--bodies", "1", "--bodies", "2"}) ==
               "--bodies: expected once, found 2 times");
@@ -233,7 +236,7 @@ TEST_SUITE("engine/options") {
                   "--pressures: expected usually 1000 to 1e+07 Pa, found 0.055: 0.055e6?"});
         CHECK(warnings_of({"--pressure", "5e8"}) ==
               std::vector<std::string>{
-                  "--pressure: expected usually 1000 to 1e+07 Pa, found 5e+08: 5e+08e-3?"});
+                  "--pressure: expected usually 1000 to 1e+07 Pa, found 5e+08: 500000000e-3?"});
         CHECK(warnings_of({"--friction", "35"}) ==
               std::vector<std::string>{"--friction: expected usually 0 to 2, found 35"});
     }

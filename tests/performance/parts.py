@@ -9,6 +9,7 @@ The same with GNU parallel: parallel tests/performance/smart_campaign --part {}/
 Under mpirun or srun each process does the part of its rank: mpirun -n 4 tests/performance/smart_campaign.
 """
 import argparse
+import collections
 import csv
 import os
 import re
@@ -52,13 +53,36 @@ def own_table(args, table):
 
 
 def lines_of(table):
-    return list(csv.reader(open(table, newline=''))) if table.exists() else []
+    """The cells of a table, a list for each line. Ends the campaign if it is cut off or damaged: the runs of lost lines would be missing."""
+    if not table.exists():
+        return []
+    try:
+        text = table.read_text()
+    except (OSError, UnicodeDecodeError) as error:
+        raise SystemExit(f'{table}: expected a table of results: {error}')
+    lines = list(csv.reader(text.splitlines()))
+    for number, cells in enumerate(lines, 1):
+        if len(cells) != len(lines[0]):
+            raise SystemExit(f'{table}:{number}: expected {len(lines[0])} columns, found {len(cells)}')
+    if not text.endswith('\n'):
+        raise SystemExit(f'{table}:{len(lines)}: expected complete lines, found the last one cut off')
+    return lines
+
+
+class Row(dict):
+    """A line of a table by the names of its columns."""
+    def __init__(self, table, names, cells):
+        super().__init__(zip(names, cells))
+        self.table = table
+
+    def __missing__(self, name):
+        raise SystemExit(f'{self.table}:1: expected a column {name}, found {", ".join(self)}')
 
 
 def rows_of(args, table):
     """Rows of the campaign's table and of that of this part, as dictionaries."""
     tables = dict.fromkeys([table, own_table(args, table)])
-    return [dict(zip(lines[0], line)) for lines in map(lines_of, tables) for line in lines[1:]]
+    return [Row(name, lines[0], line) for name, lines in ((name, lines_of(name)) for name in tables) for line in lines[1:]]
 
 
 def write(table, lines):
@@ -86,14 +110,20 @@ def merge(args, table, runs, run_of, case_of=None):
     order = {run: k for k, run in enumerate(runs)}
     pattern = re.compile(re.escape(table.stem) + r'\.part_\d+_of_\d+\.csv')
     parts = sorted(path for path in table.parent.glob('*.csv') if pattern.fullmatch(path.name))
-    head, merged, seen = None, [], set()
-    for lines in filter(None, map(lines_of, [table, *parts])):
+    head, merged, seen = None, [], {}
+    for name, lines in ((name, lines_of(name)) for name in [table, *parts]):
+        if not lines:
+            continue
         if head not in (None, lines[0]):
-            raise SystemExit(f'{table}: the tables of the parts have different columns')
+            raise SystemExit(f'{name}:1: expected the columns {", ".join(head)} as in the other tables, found {", ".join(lines[0])}')
         head = lines[0]
-        rows = [(dict(zip(head, line)), line) for line in lines[1:]]
+        rows = [(Row(name, head, line), line) for line in lines[1:]]
+        counts = collections.Counter(case_of(row) for row, _ in rows)
+        for case, count in counts.items():
+            if case in seen and seen[case][1] != count:
+                raise SystemExit(f'{name}: expected {seen[case][1]} lines of run {case} as in {seen[case][0]}, found {count}: one of them is cut off')
         merged += [(run_of(row), line) for row, line in rows if case_of(row) not in seen]
-        seen |= {case_of(row) for row, _ in rows}
+        seen = {**{case: (name, count) for case, count in counts.items()}, **seen}
     if head:
         write(table, [head, *(line for _, line in sorted(merged, key=lambda entry: order.get(entry[0], -1)))])
     for path in parts:

@@ -102,6 +102,36 @@ def check(campaign, words, programs, folder):
     print(f'{campaign}: the same table, {runs("whole")} runs')
 
 
+def check_damage(programs, folder):
+    """A table that is cut off or has other columns ends a campaign before anything is computed or deleted."""
+    folder.mkdir()
+    table, part = folder / 'table.csv', folder / 'table.part_1_of_1.csv'
+    whole = 'seed,pressure_kPa,quantity,value\n' + ''.join(f'{seed},55,{name},1.5\n' for seed in (1, 2) for name in ('a', 'b', 'c'))
+
+    def refused(what, *more):
+        done = subprocess.run([sys.executable, HERE / 'smart_campaign', '--seeds', '1,2', '--bin', programs, '--work', folder / 'runs', '--csv', table, *more],
+                              capture_output=True, text=True)
+        assert done.returncode == 1 and what in done.stderr and 'Traceback' not in done.stderr, (what, done.stdout, done.stderr)
+        assert not (folder / 'runs').exists()
+
+    table.write_text(whole[:-4])
+    refused('table.csv:7: expected complete lines')
+    table.write_text(whole + '3,55\n')
+    refused('table.csv:8: expected 4 columns, found 2')
+    table.write_text(whole.replace('seed', 'number'))
+    refused('table.csv:1: expected a column seed, found number')
+    table.write_text('\n'.join(whole.splitlines()[:5]) + '\n')  # seed 2 is cut off, but not in the part
+    part.write_text(whole)
+    refused('expected 1 lines of run 2', '--merge')
+    assert part.read_text() == whole
+    table.unlink(), part.unlink()
+    (programs / 'smart_triaxial').write_text('#!/bin/sh\necho no room on the disk\nexit 4\n')
+    done = subprocess.run([sys.executable, HERE / 'smart_campaign', '--seeds', '1', '--bin', programs, '--work', folder / 'runs', '--csv', table],
+                          capture_output=True, text=True)
+    assert done.returncode == 1 and 'ended with code 4: no room on the disk' in done.stderr, done.stderr
+    print('damaged tables are refused')
+
+
 with tempfile.TemporaryDirectory() as name:
     root = Path(name)
     programs = stand_ins(root / 'bin')
@@ -110,3 +140,4 @@ with tempfile.TemporaryDirectory() as name:
     check('twin_campaign', ['--seeds', '1,2,3,4', '--levels', 'A,B'], programs, root / 'twin')
     check('variants_campaign', ['--seeds', '1,2'], programs, root / 'variants')
     check('preparation_campaign', ['gradings', '--seeds', '2', '--bodies', '100'], programs, root / 'preparation')
+    check_damage(programs, root / 'damage')

@@ -1,6 +1,7 @@
 """Common parts of campaigns over seeds: a table with the numbers of each seed and pressure. Seeds that are in it are not run again."""
 import argparse
 import math
+import signal
 import statistics
 import subprocess
 import sys
@@ -44,7 +45,13 @@ def parser(doc, seeds, table):
     return arguments
 
 
+def stop(number, _):
+    sys.exit(128 + number)  # ends a scenario that runs, too
+
+
 def options(doc, seeds, table):
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, stop)
     return parser(doc, seeds, table).parse_args()
 
 
@@ -53,7 +60,13 @@ def scenario(args, name, words, out):
     out.parent.mkdir(parents=True, exist_ok=True)
     with open(f'{out}.log', 'w') as log:
         command = [args.bin / name, '--quiet', '--threads', args.threads, *words, '--out', out]
-        subprocess.run([str(word) for word in command], check=True, stdout=log, stderr=log)
+        try:
+            subprocess.run([str(word) for word in command], check=True, stdout=log, stderr=log)
+        except FileNotFoundError:
+            raise SystemExit(f'{command[0]}: expected a program (build first, or give --bin), found none')
+        except subprocess.CalledProcessError as failure:
+            said = Path(log.name).read_text(errors='replace').splitlines() or ['nothing was printed']
+            raise SystemExit(f'{name} ended with code {failure.returncode}: {said[-1]} ({log.name})')
 
 
 def rows_of(args):

@@ -254,6 +254,32 @@ TEST_SUITE("scenarios/command_line") {
                           "--resume");
     }
 
+    TEST_CASE("values within the range of their option are refused where they contradict others") {
+        for (const Command& command :
+             {Command{"smartrock_net", {"--rock-repeats", "2.5"}},
+              Command{"smartrock_net", {"--packet-samples", "3.5"}},
+              Command{"smartrock_net", {"--contact-interval", "0.5"}},
+              Command{"monitor", {"--segment", "77"}},
+              Command{"monitor", {"--band-low", "90", "--band-high", "80"}}})
+            check_refusal(command, outcome_of(command), 2, command.flags.front());
+        // at half of the sampling rate of the synthetic recordings, which are written first
+        const Outcome beyond = outcome_of({"monitor",
+                                           {"--band-low", "150", "--band-high", "200",
+                                            "--example-duration", "4", "--example-passages", "1"}});
+        CAPTURE(beyond.err);
+        CHECK(beyond.code == 2);
+        CHECK(beyond.err.starts_with("monitor: --band-low: expected less than half of the "
+                                     "sampling rate"));
+    }
+
+    TEST_CASE("a checkpoint whose name leads to itself is no input to go on from") {
+        const TemporaryDirectory folder;
+        const std::string loop = folder / "loop.h5";
+        fs::create_symlink(loop, loop);
+        const Command command{"settle", {"--resume", loop}};
+        check_refusal(command, outcome_of(command), 4, "--resume: cannot read");
+    }
+
     TEST_CASE("a flag that no scenario has is refused") {
         const auto names = scenarios();
         const std::vector<std::string> flags{"--xyzzy-of-banana", "1"};

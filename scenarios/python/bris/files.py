@@ -1,4 +1,5 @@
 """Files of BRIS as NumPy arrays."""
+import csv
 import json
 import re
 from pathlib import Path
@@ -18,7 +19,10 @@ class RunFile:
     """
 
     def __init__(self, path):
-        self._file = h5py.File(path, 'r')
+        try:
+            self._file = h5py.File(path, 'r')
+        except OSError as error:
+            raise OSError(f'{path}: expected a run file, found one that cannot be read: {error}') from error
         if 'VTKHDF' not in self._file:
             self._file.close()
             raise ValueError(f'{path}: expected a run file, found no group VTKHDF')
@@ -42,8 +46,13 @@ class RunFile:
     def close(self):
         self._file.close()
 
+    def _require_open(self):
+        if not self._file:
+            raise ValueError('run file: expected an open one, found it closed')
+
     def frame(self, k):
         """The arrays of frame k (negative: from the last one) by their names, and `position` (m), a row for each rock."""
+        self._require_open()
         k = range(len(self.times))[k]
         parts, steps = self._grid['NumberOfPoints'], self._grid['Steps']
         points = int(parts[int(steps['PartOffsets'][k])])
@@ -58,6 +67,7 @@ class RunFile:
     def cells(self, k):
         """The cells of frame k of a file with contacts or surfaces: `corners` (cells x corners), the rows of their points in
         `frame(k)`, and the arrays with a row for each cell by their names."""
+        self._require_open()
         k = range(len(self.times))[k]
         steps = self._grid['Steps']
         part, first = int(steps['PartOffsets'][k]), int(steps['CellOffsets'][k, 0])
@@ -73,10 +83,12 @@ class RunFile:
 
     def series(self, name):
         """The time series of that name, an array for each column. Names: see `series_names`."""
+        self._require_open()
         return {column: values[:] for column, values in self._file['tracks'][name].items()}
 
     @property
     def series_names(self):
+        self._require_open()
         return sorted(self._file['tracks']) if 'tracks' in self._file else []
 
 
@@ -94,14 +106,33 @@ def open_run(path):
 def read_summary(path):
     """The settings and results of summary.json, by their keys; `path` is the file or its folder."""
     path = Path(path)
-    return json.loads((path / 'summary.json' if path.is_dir() else path).read_text())
+    file = path / 'summary.json' if path.is_dir() else path
+    try:
+        return json.loads(file.read_text())
+    except json.JSONDecodeError as error:
+        raise ValueError(f'{file}: expected a complete JSON file: {error}') from error
 
 
 def read_csv(path):
-    """The columns of a CSV file with a heading, by their names; lines that begin with # are comments."""
-    lines = [line for line in Path(path).read_text().splitlines() if line.strip() and not line.startswith('#')]
-    table = np.genfromtxt(lines, delimiter=',', names=True, dtype=None, encoding='utf-8')
-    return {name: np.atleast_1d(table[name]) for name in table.dtype.names}
+    """The columns of a CSV file with a heading, by their names: whole numbers, numbers (NaN where one is missing) or text; lines that
+    begin with # are comments."""
+    with open(path, newline='', encoding='utf-8-sig') as file:
+        lines = [cells for cells in csv.reader(line for line in file if line.strip() and not line.startswith('#'))]
+    if not lines:
+        raise ValueError(f'{path}: expected a heading, found an empty file')
+    for cells in lines[1:]:
+        if len(cells) != len(lines[0]):
+            raise ValueError(f'{path}: expected {len(lines[0])} columns, found {len(cells)} in {",".join(cells)}')
+    return {name.strip(): _column([cells[k].strip() for cells in lines[1:]]) for k, name in enumerate(lines[0])}
+
+
+def _column(cells):
+    for kind in (int, lambda cell: float(cell) if cell not in ('', '-') else float('nan')):
+        try:
+            return np.array([kind(cell) for cell in cells], dtype=None if cells else float)
+        except ValueError:
+            pass
+    return np.array(cells)
 
 
 def _text(value):

@@ -1,3 +1,4 @@
+#include "engine/errors.hpp"
 #include "engine/estimation/linear_fit.hpp"
 #include "scenarios/bulk/bulk_bed.hpp"
 #include "scenarios/bulk/bulk_run.hpp"
@@ -5,6 +6,7 @@
 #include "scenarios/specimens/retire.hpp"
 #include "scenarios/specimens/vessels.hpp"
 #include "tests/about.hpp"
+#include "tests/scenarios/faults/process.hpp"
 #include "tests/support.hpp"
 
 #include <doctest/doctest.h>
@@ -97,6 +99,23 @@ double rate(const Discharge& d) {
 } // namespace
 
 TEST_SUITE("bulk/bulk") {
+    TEST_CASE("a vessel that is far too wide for its spheres is refused instead of searched") {
+        const Lattice wide{Vec3(-100, -100, 0), Vec3(100, 100, 100), 0.01, 0.02, 1};
+        const auto nowhere = [](const Vec3&) { return false; };
+        CHECK_THROWS_WITH_AS(lattice_sites(wide, 5, nowhere),
+                             doctest::Contains("expected a vessel with at most 1e+09 places"),
+                             InputError);
+    }
+
+    TEST_CASE("the grains of a wide impact bed stay within its limits") {
+        const TemporaryDirectory folder;
+        const Outcome wide =
+            run_process({"impact_bed", "--spheres", "10", "--length", "1", "--width", "0.7",
+                         "--duration", "0.001", "--quiet", "--out", (folder / "out").string()});
+        CAPTURE(wide.err);
+        CHECK(wide.code == 0);
+    }
+
     TEST_CASE("a silo empties without losing a sphere, and faster without friction") {
         const Discharge rough = discharge(1), smooth = discharge(0);
         for (const Discharge& d : {rough, smooth}) {

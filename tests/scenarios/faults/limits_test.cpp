@@ -295,6 +295,29 @@ TEST_SUITE("faults/limits") {
         CHECK(run_process(small).code == 0);
     }
 
+    TEST_CASE("a run that is being prepared can be terminated") {
+        const TemporaryDirectory folder;
+        const auto out = folder / "out"; // hundreds of thousands of rocks
+        Process run({"tie_push", "--rock-scale", "0.1", "--smallest-rock", "0", "--out",
+                     out.string(), "--quiet"});
+        sleep(2);
+        run.send(SIGTERM);
+        const Outcome outcome = run.wait(20);
+        CHECK_FALSE(outcome.hung);
+        CHECK(outcome.code == 130);
+        CHECK(is_one_line_of(outcome.err, "tie_push"));
+    }
+
+    TEST_CASE("a stream that is the log of its run is refused and kept") {
+        const TemporaryDirectory folder;
+        const fs::path log = folder / "stream.ndjson";
+        write_whole(log, "{\"end\": true}\n");
+        const Outcome outcome = run_process(
+            {"live_triaxial", "--stream", log.string(), "--out", folder.path().string()});
+        check_failed(outcome, 2, "live_triaxial");
+        CHECK(read_whole(log) == "{\"end\": true}\n");
+    }
+
     TEST_CASE("a run that waits for a stream can be interrupted") {
         for (const int signal : {SIGINT, SIGTERM}) {
             const TemporaryDirectory folder;

@@ -37,7 +37,7 @@ TEST_SUITE("monitoring/passage_stream") {
                 lines.emplace_back(r.time[k] + 0.5 * random.uniform(), line_of(r, k)); // delays
         }
         std::ranges::sort(lines);
-        std::string text = "# begins\n\n";
+        std::string text = "# begins\n\n{\"end\": 0}\n";
         for (const auto& [time, line] : lines) text += line;
         const TemporaryDirectory folder;
         write_whole(folder / "s.ndjson", text + lines.back().second + "{\"end\": 1}\n");

@@ -278,6 +278,10 @@ TEST_SUITE("network/simulation") {
         CHECK(message_of<InputError>([&] {
                   (void)Truth(t, 1);
               }).find("t.csv:4: expected arrivals") != std::string::npos);
+        write_whole(folder / "t.csv", "planned_s,arrival_s\n600,620\n,900\n");
+        CHECK(message_of<InputError>([&] {
+                  (void)Truth(t, 1);
+              }).find("t.csv:3: planned_s: expected a number") != std::string::npos);
         write_whole(folder / "t.csv", "planned_s,arrival_s\n600,620\n900,\n");
         const Truth truth(t, 1);
         REQUIRE(truth.trains().size() == 2);

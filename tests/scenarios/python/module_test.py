@@ -1,9 +1,11 @@
 """Tests of the Python module. Run by ctest with the folder of the module on PYTHONPATH."""
 import os
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 from pathlib import Path
 
@@ -169,6 +171,77 @@ class ModuleTest(unittest.TestCase):
             s.move_platen(1)
         with self.assertRaises(OSError):
             s.load('no/such/file.ckpt.h5')
+        scene = bris.Scene('spheres', step=1e-5)
+        with self.assertRaisesRegex(bris.InputError, 'others in sample 1'):
+            scene.add_sensor(scene.add_sphere((0, 0, 1), 0.01, scene.add_material(density=2600)), [0, 1], [(0, 0, 1), (0, 0, float('nan'))])
+        with self.assertRaisesRegex(bris.InputError, '1 to 1000 rings'):
+            scene.add_membrane(0.1, 0.2, rings=2000000000, sectors=8, pressure=1e4, contact_stiffness=1e6, material=0)
+        for voxel in (float('inf'), float('nan'), 0.0, -1.0, 1e-300, 1e-6):
+            with self.assertRaisesRegex(bris.InputError, 'voxel: expected at most'):
+                s.field('porosity', voxel=voxel)
+
+    def test_indices_and_shapes_are_read_only(self):
+        s = column_of_spheres()
+        s.advance(10)
+        for table, column in (('bodies', 'material'), ('bodies', 'id'), ('spheres', 'parent'), ('planes', 'host'), ('spheres', 'ball')):
+            with self.assertRaisesRegex(bris.InputError, f'found {table}.{column}'):
+                s.view(table, column, write=True)
+            self.assertGreater(len(s.view(table, column)), 0)
+
+    def test_a_checkpoint_of_another_scene_or_law_is_refused_and_changes_nothing(self):
+        s = column_of_spheres()
+        s.advance(100)
+        with tempfile.TemporaryDirectory() as folder:
+            run = Path(folder) / 'settle'
+            subprocess.run([BINARIES / 'settle', '--spheres', '20', '--duration', '0.001', '--quiet', '--out', run], check=True)
+            other = Path(folder) / 'other.ckpt.h5'
+            column_of_spheres(count=29).save(other)
+            before = s.fingerprint
+            for path, found in ((run / 'settle.ckpt.h5', 'one of settle'), (other, 'one of another scene or law')):
+                with self.assertRaisesRegex(bris.InputError, found):
+                    s.load(path)
+                self.assertEqual(s.fingerprint, before)
+
+    def test_a_checkpoint_replaces_files_only(self):
+        s = column_of_spheres(count=2)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            os.mkfifo(folder / 'pipe')
+            with self.assertRaisesRegex(OSError, 'expected a file, found a pipe'):
+                s.save(folder / 'pipe')
+            (folder / 'link').symlink_to(folder / 'target.ckpt.h5')
+            s.save(folder / 'link')
+            self.assertTrue((folder / 'link').is_symlink())
+            s.load(folder / 'target.ckpt.h5')
+
+    def test_ctrl_c_ends_a_long_advance(self):
+        code = 'import sys, test; s = test.column_of_spheres(); print("ready", flush=True); s.advance(10**12)'.replace('test', Path(__file__).stem)
+        process = subprocess.Popen([sys.executable, '-c', code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                   env={**os.environ, 'PYTHONPATH': os.pathsep.join([str(Path(__file__).parent), *sys.path])})
+        process.stdout.readline()
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        self.assertIn('KeyboardInterrupt', process.communicate(timeout=60)[1])
+
+    def test_csv_files_have_whole_numbers_numbers_and_text(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / 'a.csv'
+            path.write_text('# a comment\nstep,a-b,name,gap\n1,0.5,"one, #1",5\n2,,two,\n')
+            table = bris.read_csv(path)
+            self.assertEqual(list(table), ['step', 'a-b', 'name', 'gap'])
+            np.testing.assert_array_equal(table['step'], [1, 2])
+            np.testing.assert_array_equal(table['a-b'], [0.5, np.nan])
+            np.testing.assert_array_equal(table['gap'], [5, np.nan])
+            self.assertEqual(list(table['name']), ['one, #1', 'two'])
+            for text, what in (('', 'found an empty file'), ('a,b\n1\n', 'expected 2 columns, found 1')):
+                path.write_text(text)
+                with self.assertRaisesRegex(ValueError, what):
+                    bris.read_csv(path)
+            path.write_text('{"a": 1')
+            with self.assertRaisesRegex(ValueError, 'a.csv'):
+                bris.read_summary(path)
+            with self.assertRaisesRegex(OSError, 'a.csv: expected a run file'):
+                bris.open_run(path)
 
     def test_fines_fill_the_voids_of_a_box_and_fields_show_them(self):
         scene = bris.Scene('spheres', step=1e-5)

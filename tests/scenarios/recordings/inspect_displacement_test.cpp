@@ -129,6 +129,12 @@ TEST_SUITE("recordings/inspect_displacement") {
         CHECK(strain_step({r, limits, findings, 0, 0}) == 0);
     }
 
+    TEST_CASE("a displacement that no laboratory has room for is refused, however few samples") {
+        auto all = example_recordings("55kPa", 0.001);
+        for (Vec3& u : all[0].displacement) u += Vec3(1e200, 0, 0);
+        CHECK(has(refusals(all, 1), "displacement: expected at most 100 m, found 1e+200 m"));
+    }
+
     TEST_CASE("a few outliers of the displacement are not refused") {
         auto all = example_recordings("55kPa");
         for (const std::size_t k : {3u, 20u, 41u, 60u}) all[4].displacement[k].y() += 0.03;

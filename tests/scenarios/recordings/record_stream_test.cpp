@@ -24,6 +24,7 @@ TEST_SUITE("recordings/record_stream") {
         CHECK(json->line == 7);
         CHECK(json->numbers == std::map<std::string, double>{{"t", 1.5}, {"id", 3}, {"ax", -9.81}});
         CHECK(std::isnan(json->number("ux")));
+        CHECK(parser.parse(line("\xef\xbb\xbf{\"t\": 2}"))->number("t") == 2); // saved by an editor
         CHECK_FALSE(parser.parse(line("")));
         CHECK_FALSE(parser.parse(line("# a comment")));
         CHECK_FALSE(parser.parse(line("t, id, ax, ay")));
