@@ -21,12 +21,10 @@ constexpr std::int64_t patience = 5; // s; queueing systems send a signal twice 
 extern "C" void ask_to_stop(int signal) {
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);
-    if (requests.fetch_add(1) == 0) {
-        first_request.store(now.tv_sec);
-        return;
-    }
-    const bool is_impatient = now.tv_sec - first_request.load() >= patience;
-    if (signal == SIGINT || (signal == SIGTERM && is_impatient)) _exit(130);
+    std::int64_t first = 0; // two threads may handle two signals at once
+    if (first_request.compare_exchange_strong(first, now.tv_sec)) first = now.tv_sec;
+    const bool is_again = requests.fetch_add(1) > 0, is_impatient = now.tv_sec - first >= patience;
+    if (is_again && (signal == SIGINT || (signal == SIGTERM && is_impatient))) _exit(130);
 }
 
 } // namespace
