@@ -136,7 +136,7 @@ TEST_SUITE("monitoring/live_resume") {
             for (int k = 0; k < 400 && lines_in(interrupted.out / "stream.ndjson") < sent; ++k)
                 std::this_thread::sleep_for(std::chrono::milliseconds(50));
             run.send(SIGTERM);
-            const Outcome stopped = run.wait(20);
+            const Outcome stopped = run.wait(60); // with sanitizers a stage takes seconds
             CAPTURE(stopped.err);
             REQUIRE(stopped.code == 130);
             publish(rocks, replay, lines.size()); // while no model is there
