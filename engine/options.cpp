@@ -88,8 +88,6 @@ std::string words(const Range& range) {
     return text;
 }
 
-bool has_limit(const Range& range) { return std::isfinite(range.low) || std::isfinite(range.high); }
-
 bool has_usual(const Range& range) { return std::isfinite(range.usual_low); }
 
 bool is_usual(const Range& range, double x) {
@@ -154,17 +152,17 @@ struct Assign {
     void operator()(std::filesystem::path* value) const { *value = text; }
 
 private:
+    /// The range, or else that of the type.
+    template <class T>
+    std::string limits() const {
+        const std::string given = words(range);
+        return given.empty() ? fmt::format(" from 0 to {}", std::numeric_limits<T>::max()) : given;
+    }
     template <class T>
     void whole(T* value) const {
         T x = 0;
         if (!read_number(text, x) || !contains(range, static_cast<double>(x)))
-            reject(where,
-                   "a whole number" +
-                       (has_limit(range)
-                            ? words(range)
-                            : fmt::format(" from 0 to {}", std::numeric_limits<T>::max())) +
-                       in_unit(unit),
-                   text);
+            reject(where, "a whole number" + limits<T>() + in_unit(unit), text);
         *value = x;
     }
 };

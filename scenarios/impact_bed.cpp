@@ -79,12 +79,10 @@ World make_world_of(const ImpactTest& t, std::uint64_t seed) {
             shake * Random(seed, 1000000000 + made++).direction(); // rows are still ids
     }
     auto& limits = world.resource<Limits>();
-    limits.low = low - Vec3::Constant(0.01);
-    limits.high = Vec3(0, 0, 1);
     // grains may splash higher than the box, whose walls are planes without an upper rim
     const double reach = std::max({0.3, t.length / 2 + 0.01, t.width / 2 + 0.01});
-    limits.low.head(2).setConstant(-reach);
-    limits.high.head(2).setConstant(reach);
+    limits.low = Vec3(-reach, -reach, low.z() - 0.01);
+    limits.high = Vec3(reach, reach, 1);
     limits.overlap = 0.9; // grains are squeezed between ball and floor
     world.add_resource<Gravity>();
     world.add_resource<BedState>();

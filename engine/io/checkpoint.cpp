@@ -221,9 +221,7 @@ Checkpoint read_content(const fs::path& path) {
 
 void write_checkpoint(const std::filesystem::path& name, const Checkpoint& checkpoint) {
     const fs::path path = file_to_write(name);
-    // the process id, because two runs into one directory must not share the unfinished file
-    fs::path unfinished = path;
-    unfinished += fmt::format(".{}.tmp", getpid());
+    const fs::path unfinished = temporary_name(path);
     std::error_code error;
     try {
         write_content(unfinished, checkpoint);

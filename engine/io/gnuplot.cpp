@@ -12,7 +12,6 @@
 #include <fstream>
 #include <sys/wait.h>
 #include <system_error>
-#include <unistd.h>
 
 namespace bris {
 
@@ -78,8 +77,7 @@ bool draw_with_gnuplot(const std::filesystem::path& name, unsigned width, unsign
     }
     std::error_code error;
     if (png.has_parent_path()) std::filesystem::create_directories(png.parent_path(), error);
-    std::filesystem::path unfinished = png;
-    unfinished += fmt::format(".{}.tmp", getpid());
+    const std::filesystem::path unfinished = temporary_name(png);
     const IgnorePipeSignal guard;
     std::FILE* const gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
     if (!gnuplot) return complain(png, "cannot start gnuplot");

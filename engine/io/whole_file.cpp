@@ -64,6 +64,12 @@ std::filesystem::path file_to_write(const std::filesystem::path& path) {
     return target;
 }
 
+std::filesystem::path temporary_name(const std::filesystem::path& path) {
+    std::filesystem::path name = path;
+    name += fmt::format(".{}.tmp", getpid());
+    return name;
+}
+
 std::string read_whole(const std::filesystem::path& path) {
     require_regular_file(path);
     const File file(std::fopen(path.c_str(), "rb"));
@@ -76,11 +82,14 @@ std::string read_whole(const std::filesystem::path& path) {
     return content;
 }
 
-std::string read_text(const std::filesystem::path& path) {
-    std::string text = read_whole(path);
+std::string_view without_mark(std::string_view text) {
     constexpr std::string_view mark = "\xef\xbb\xbf";
-    if (text.starts_with(mark)) text.erase(0, mark.size());
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
     return text;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+    return std::string(without_mark(read_whole(path)));
 }
 
 void write_whole(const std::filesystem::path& name, std::string_view content) {
@@ -88,9 +97,7 @@ void write_whole(const std::filesystem::path& name, std::string_view content) {
     std::error_code error;
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
     if (error) fail("write", path, error.value());
-    // the process id, because two runs into one directory must not share the unfinished file
-    std::filesystem::path unfinished = path;
-    unfinished += fmt::format(".{}.tmp", getpid());
+    const std::filesystem::path unfinished = temporary_name(path);
     File file(std::fopen(unfinished.c_str(), "wb"));
     if (!file) fail("write", path, errno);
     errno = 0;

@@ -16,9 +16,15 @@ void require_regular_file(const std::filesystem::path& path);
 /// would replace without a word. Every writer of a file calls it before it opens one.
 std::filesystem::path file_to_write(const std::filesystem::path& path);
 
+/// Name beside `path` under which a file is written before it is renamed to `path`. It contains the
+/// process id, because two runs into one directory must not share the unfinished file.
+std::filesystem::path temporary_name(const std::filesystem::path& path);
+
 /// The content of a file. Throws OutputError if it cannot be read.
 std::string read_whole(const std::filesystem::path& path);
-/// The same without the byte order mark with which spreadsheets begin a file of UTF-8.
+/// A text without the byte order mark with which spreadsheets begin a file of UTF-8.
+std::string_view without_mark(std::string_view text);
+/// The content of a file without its byte order mark. Throws OutputError if it cannot be read.
 std::string read_text(const std::filesystem::path& path);
 
 /// Writes `content` under a temporary name and renames it to `path`, so that a reader finds either

@@ -1,4 +1,3 @@
-#include "engine/signal/median.hpp"
 #include "scenarios/recordings/inspection.hpp"
 
 #include <array>
@@ -15,6 +14,7 @@ constexpr std::size_t fewest = 3; // sensors that tell exchanged axes from chanc
 struct Axes {
     std::array<int, 3> axis, sign;
 
+    friend bool operator==(const Axes&, const Axes&) = default;
     Vec3 operator()(const Vec3& v) const {
         return {sign[0] * v[axis[0]], sign[1] * v[axis[1]], sign[2] * v[axis[2]]};
     }
@@ -29,7 +29,7 @@ struct Axes {
 
 constexpr Axes declared{{0, 1, 2}, {1, 1, 1}}, reversed{{0, 1, 2}, {-1, -1, -1}};
 
-/// All 48 ways, the declared one first.
+/// All 48 ways.
 std::vector<Axes> all_axes() {
     std::vector<Axes> all;
     std::array<int, 3> axis{0, 1, 2};
@@ -68,8 +68,7 @@ public:
             r_.size() < at.still + 2 * parts)
             return;
         const std::size_t each = (r_.size() - at.still) / parts;
-        const Vec3 bias = median(std::vector<Vec3>(
-            r_.rate.begin(), r_.rate.begin() + static_cast<std::ptrdiff_t>(at.still)));
+        const Vec3 bias = at.median_before_test(r_.rate);
         for (std::size_t part = 0; part <= parts; ++part) {
             const std::size_t end = at.still - 1 + part * each;
             up_.push_back(direction_near(end, each / 16));
@@ -142,7 +141,7 @@ bool check_axes(const std::vector<Turns>& all, std::vector<Finding>& findings) {
         Products sum;
         for (const Turns& turns : all) sum += turns.products(axes);
         const double correlation = sum.correlation();
-        if (axes.name() == declared.name()) own = correlation;
+        if (axes == declared) own = correlation;
         if (correlation > best) best = correlation, likely = axes;
     }
     if (best < agrees || best - own < far) return true;
@@ -152,9 +151,8 @@ bool check_axes(const std::vector<Turns>& all, std::vector<Finding>& findings) {
              fmt::format("of all sensors: expected the rates to cause the tilt that gravity shows, "
                          "found a correlation of {:.2f}, but {:.2f} if gx gy gz were {}: {}",
                          own, best, likely.name(),
-                         likely.name() == reversed.name()
-                             ? "the sign seems to be reversed"
-                             : "axes seem to be exchanged or reversed")});
+                         likely == reversed ? "the sign seems to be reversed"
+                                            : "axes seem to be exchanged or reversed")});
     return false;
 }
 

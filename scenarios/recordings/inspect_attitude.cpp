@@ -99,8 +99,7 @@ void check_turns(const Inspection& at) {
     constexpr std::size_t parts = 16;
     if (at.still == 0 || r.size() < at.still + 2 * parts) return;
     std::vector<Vec3> turns, by_rates;
-    const Vec3 bias = median(
-        std::vector<Vec3>(r.rate.begin(), r.rate.begin() + static_cast<std::ptrdiff_t>(at.still)));
+    const Vec3 bias = at.median_before_test(r.rate);
     const std::size_t each = (r.size() - at.still) / parts;
     for (std::size_t begin = at.still - 1; begin + each < r.size(); begin += each) {
         turns.push_back(attitude_error(r.attitude[begin + each], r.attitude[begin]));

@@ -31,11 +31,7 @@ double height_of_specimen(const Inspection& at) {
 /// The platen drives all motion: a rock moves at most about as far as the platen, or slips once.
 void check_lengths(const Inspection& at) {
     const Recording& r = at.recording;
-    const Vec3 start = at.still > 0
-                           ? median(std::vector<Vec3>(r.displacement.begin(),
-                                                      r.displacement.begin() +
-                                                          static_cast<std::ptrdiff_t>(at.still)))
-                           : Vec3(Vec3::Zero());
+    const Vec3 start = at.still > 0 ? at.median_before_test(r.displacement) : Vec3(Vec3::Zero());
     std::size_t outliers = 0, first = 0;
     const auto compared =
         std::ranges::count_if(r.strain, [](double e) { return std::isfinite(e); });

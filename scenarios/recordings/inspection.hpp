@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/signal/median.hpp"
 #include "scenarios/recordings/quality_control.hpp"
 
 #include <fmt/format.h>
@@ -28,6 +29,12 @@ struct Inspection {
             r.time, [&](double t) { return t <= r.time.front() + limits.rest; }));
         while (still < rest && (r.strain.empty() || !(r.strain[still] > 0)))
             ++still; // NaN: strain was not sampled
+    }
+
+    /// Median of the values before the start of the test; `still` must not be 0.
+    Vec3 median_before_test(const std::vector<Vec3>& values) const {
+        return median(
+            std::vector<Vec3>(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(still)));
     }
 
     void note(std::string check, std::string text) const {

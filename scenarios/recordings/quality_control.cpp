@@ -1,7 +1,6 @@
 #include "scenarios/recordings/quality_control.hpp"
 
 #include "engine/estimation/linear_fit.hpp"
-#include "engine/signal/median.hpp"
 #include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/recordings/inspection.hpp"
 
@@ -214,10 +213,7 @@ private:
     /// A rock at rest rotates with the earth; anything else in its rates is bias and noise.
     void check_rates() {
         constexpr double earth = 7.3e-5; // rad/s
-        const double found =
-            median(std::vector<Vec3>(r_.rate.begin(),
-                                     r_.rate.begin() + static_cast<std::ptrdiff_t>(at_.still)))
-                .norm();
+        const double found = at_.median_before_test(r_.rate).norm();
         const double expected =
             2 * earth +
             8 * std::hypot(r_.info.rate_bias,

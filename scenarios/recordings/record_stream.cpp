@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/json_numbers.hpp"
+#include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
 
@@ -25,23 +26,22 @@ double StreamRecord::number(const std::string& name) const {
 }
 
 std::optional<StreamRecord> RecordParser::parse(const LineSource::Line& line) {
-    constexpr std::string_view mark = "\xef\xbb\xbf"; // a byte order mark
-    const std::size_t begin = line.text.starts_with(mark) ? mark.size() : 0,
-                      first = line.text.find_first_not_of(" \t\r", begin);
-    if (first == std::string::npos || line.text[first] == '#') return {};
+    const std::string_view text = without_mark(line.text); // the first line may have one
+    const auto first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos || text[first] == '#') return {};
     if (!line.whole)
         refuse(line, fmt::format("expected a whole line, found a truncated one: \"{}\"",
                                  beginning_of(line.text)));
     StreamRecord record{line.number, line.arrived, {}};
-    if (line.text[first] == '{') {
+    if (text[first] == '{') {
         try {
-            record.numbers = json_numbers(line.text.substr(begin));
+            record.numbers = json_numbers(line.text); // skips a mark
         } catch (const InputError& e) {
             refuse(line, e.what());
         }
         return record;
     }
-    const auto cells = cells_of(line.text);
+    const auto cells = cells_of(text);
     const auto named = [&](const char* name) { return std::ranges::count(cells, name) == 1; };
     if (named("t") || named("axial_strain")) {
         columns_.assign(cells.begin(), cells.end());

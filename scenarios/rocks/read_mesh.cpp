@@ -34,9 +34,9 @@ RawMesh read_binary_stl(const std::filesystem::path& path, std::string_view byte
     return mesh;
 }
 
-RawMesh read_text_stl(const std::filesystem::path& path, const std::string& bytes) {
+RawMesh read_text_stl(const std::filesystem::path& path, std::string_view bytes) {
     RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}};
-    std::istringstream text(bytes);
+    std::istringstream text{std::string(without_mark(bytes))};
     std::string line, word;
     std::size_t since = 0; // corners of the current loop
     for (std::size_t number = 1; std::getline(text, line); ++number) {
@@ -74,8 +74,7 @@ Polyhedron read_stl(const std::filesystem::path& path) {
     std::uint32_t announced = 0;
     if (bytes.size() >= 84) std::memcpy(&announced, bytes.data() + 80, sizeof announced);
     const bool binary = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::size_t{announced};
-    return closed_surface(binary ? read_binary_stl(path, bytes)
-                                 : read_text_stl(path, read_text(path)));
+    return closed_surface(binary ? read_binary_stl(path, bytes) : read_text_stl(path, bytes));
 }
 
 Polyhedron read_obj(const std::filesystem::path& path) {

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <fstream>
 #include <system_error>
-#include <unistd.h>
 
 namespace bris {
 
@@ -271,8 +270,7 @@ void write_vdb(const std::filesystem::path& name, const VoxelBlocks& blocks,
         all.insertMeta(entry.key,
                        openvdb::StringMetadata(std::visit(
                            [](const auto& v) { return fmt::format("{}", v); }, entry.value)));
-    std::filesystem::path unfinished = path;
-    unfinished += fmt::format(".{}.tmp", getpid());
+    const std::filesystem::path unfinished = temporary_name(path);
     std::error_code error;
     try {
         openvdb::io::File file(unfinished.string());

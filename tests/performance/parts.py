@@ -79,10 +79,15 @@ class Row(dict):
         raise SystemExit(f'{self.table}:1: expected a column {name}, found {", ".join(self)}')
 
 
+def rows_with_cells(table, lines):
+    """The lines of a table below its head, each as a dictionary and as cells."""
+    return [(Row(table, lines[0], line), line) for line in lines[1:]]
+
+
 def rows_of(args, table):
     """Rows of the campaign's table and of that of this part, as dictionaries."""
     tables = dict.fromkeys([table, own_table(args, table)])
-    return [Row(name, lines[0], line) for name, lines in ((name, lines_of(name)) for name in tables) for line in lines[1:]]
+    return [row for name in tables for row, _ in rows_with_cells(name, lines_of(name))]
 
 
 def write(table, lines):
@@ -111,19 +116,21 @@ def merge(args, table, runs, run_of, case_of=None):
     pattern = re.compile(re.escape(table.stem) + r'\.part_\d+_of_\d+\.csv')
     parts = sorted(path for path in table.parent.glob('*.csv') if pattern.fullmatch(path.name))
     head, merged, seen = None, [], {}
-    for name, lines in ((name, lines_of(name)) for name in [table, *parts]):
+    for name in [table, *parts]:
+        lines = lines_of(name)
         if not lines:
             continue
         if head not in (None, lines[0]):
             raise SystemExit(f'{name}:1: expected the columns {", ".join(head)} as in the other tables, found {", ".join(lines[0])}')
         head = lines[0]
-        rows = [(Row(name, head, line), line) for line in lines[1:]]
+        rows = rows_with_cells(name, lines)
         counts = collections.Counter(case_of(row) for row, _ in rows)
         for case, count in counts.items():
             if case in seen and seen[case][1] != count:
                 raise SystemExit(f'{name}: expected {seen[case][1]} lines of run {case} as in {seen[case][0]}, found {count}: one of them is cut off')
         merged += [(run_of(row), line) for row, line in rows if case_of(row) not in seen]
-        seen = {**{case: (name, count) for case, count in counts.items()}, **seen}
+        for case, count in counts.items():
+            seen.setdefault(case, (name, count))
     if head:
         write(table, [head, *(line for _, line in sorted(merged, key=lambda entry: order.get(entry[0], -1)))])
     for path in parts:

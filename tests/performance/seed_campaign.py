@@ -33,8 +33,15 @@ def mean_text(numbers, digits=2):
     return f'{statistics.mean(numbers):.{digits}f} +- {half_width(numbers):.{digits}f}'
 
 
+def stop(number, _):
+    sys.exit(128 + number)  # ends a scenario that runs, too
+
+
 def parser(doc, seeds, table):
-    """Argument parser of a campaign. `table` is the name of the CSV file in the results folder. Runs go to a folder with the campaign's name."""
+    """Argument parser of a campaign, which a signal ends together with its scenario from then on. `table` is the name of the CSV file in the
+    results folder. Runs go to a folder with the campaign's name."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, stop)
     arguments = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument('--seeds', type=lambda text: [int(word) for word in text.split(',')], default=list(seeds), help='Seeds, separated by commas.')
     arguments.add_argument('--threads', type=int, default=2, help='Number of threads of a run.')
@@ -45,13 +52,7 @@ def parser(doc, seeds, table):
     return arguments
 
 
-def stop(number, _):
-    sys.exit(128 + number)  # ends a scenario that runs, too
-
-
 def options(doc, seeds, table):
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, stop)
     return parser(doc, seeds, table).parse_args()
 
 
