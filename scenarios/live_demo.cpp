@@ -8,9 +8,9 @@
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
-#include "scenarios/monitoring/local_broker.hpp"
-#include "scenarios/monitoring/recording_replay.hpp"
-#include "scenarios/recordings/recorded_stream.hpp"
+#include "scenarios/stream/local_broker.hpp"
+#include "scenarios/stream/recording_replay.hpp"
+#include "scenarios/stream/recorded_stream.hpp"
 
 #include <fmt/format.h>
 

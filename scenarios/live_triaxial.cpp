@@ -17,10 +17,10 @@
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
-#include "scenarios/monitoring/run_broker.hpp"
+#include "scenarios/stream/run_broker.hpp"
 #include "scenarios/monitoring/test_publisher.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
-#include "scenarios/recordings/recorded_stream.hpp"
+#include "scenarios/stream/recorded_stream.hpp"
 #include "scenarios/specimens/write_option.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 

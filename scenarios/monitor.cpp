@@ -7,7 +7,7 @@
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
-#include "scenarios/monitoring/run_broker.hpp"
+#include "scenarios/stream/run_broker.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/state_publisher.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"

@@ -74,10 +74,10 @@ bool may_include_system(const std::string& file, const std::string& target) {
 
 /// The folders of scenarios/ in order. Each may include those before it; the executables may
 /// include all.
-constexpr std::array rooms{"rocks",        "specimens",   "recordings",  "triaxial",
-                           "bulk",         "ballast_box", "field_tests", "assimilation",
-                           "verification", "stability",   "monitoring",  "forecast",
-                           "network",      "python"};
+constexpr std::array rooms{"rocks",        "specimens",    "recordings",  "stream",
+                           "triaxial",     "bulk",         "ballast_box", "field_tests",
+                           "assimilation", "verification", "stability",   "monitoring",
+                           "forecast",     "network",      "python"};
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {
@@ -126,7 +126,7 @@ bool may_include_library(const std::string& file, const std::string& target) {
         {{"openvdb/"}, {"systems/fields/*.cpp", "scenarios/rocks/fill_clump.cpp"}},
         {{"nlohmann/"},
          {"engine/summary.cpp", "engine/io/json_numbers.cpp",
-          "scenarios/monitoring/state_publisher.cpp", "scenarios/monitoring/recording_replay.cpp"}},
+          "scenarios/monitoring/state_publisher.cpp", "scenarios/stream/recording_replay.cpp"}},
         {{"mosquitto", "mqtt_protocol"}, {"engine/io/broker_client.cpp"}},
         {{"boost/"},
          {"engine/estimation/chi_squared.cpp", "engine/estimation/detection.cpp",

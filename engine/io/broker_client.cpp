@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/io/arrival.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/json_numbers.hpp"
 #include "engine/io/message_queue.hpp"
@@ -112,7 +113,6 @@ struct BrokerClient::Connection {
     std::vector<std::string> topics;
     bool tells_of_itself = false; // own_topic is subscribed
     mosquitto* client = nullptr;
-    const WallClock clock;
 
     mutable std::mutex mutex; // of all below; never held while the library is called
     std::condition_variable came;
@@ -146,8 +146,7 @@ struct BrokerClient::Connection {
     static std::string name_of(const BrokerSettings& s, const std::string& program) {
         static std::atomic<unsigned> number = 0;
         if (!s.session.empty()) return s.session;
-        return fmt::format("{}-{}-{}-{:.0f}", program, getpid(), number++,
-                           1e3 * WallClock().at(this_instant()));
+        return fmt::format("{}-{}-{}-{:.0f}", program, getpid(), number++, 1e3 * arrival_now());
     }
     std::string described(const std::string& what) const {
         return fmt::format("--broker: {}: {}", settings.address, what);
@@ -350,7 +349,7 @@ struct BrokerClient::Connection {
     }
     void put(BrokerMessage message) { // the same
         message.arrived = this_instant();
-        message.time = clock.at(message.arrived);
+        message.time = arrival_now();
         counters.dropped += queue.push(std::move(message));
         came.notify_all();
     }

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/io/arrival.hpp"
 #include "engine/io/hdf5_content.hpp"
 
 #include <fmt/format.h>
@@ -195,7 +196,7 @@ bool is_hdf5(const std::filesystem::path& path) {
 
 RecordedLink::RecordedLink(BrokerLink& link, BrokerHistory& history)
     : link_(link), history_(history) {
-    history_.add({clock_.at(this_instant()), own_topic, "began"});
+    history_.add({arrival_now(), own_topic, "began"});
 }
 
 std::optional<BrokerMessage> RecordedLink::next(double timeout) {
@@ -209,7 +210,7 @@ std::optional<BrokerMessage> RecordedLink::next(double timeout) {
 
 bool RecordedLink::publish(const std::string& topic, const std::string& payload,
                            Delivery delivery) {
-    history_.add({clock_.at(this_instant()), topic, payload, delivery == Delivery::retained, true});
+    history_.add({arrival_now(), topic, payload, delivery == Delivery::retained, true});
     return link_.publish(topic, payload, delivery);
 }
 

@@ -86,7 +86,6 @@ public:
 private:
     BrokerLink& link_;
     BrokerHistory& history_;
-    WallClock clock_;
 };
 
 /// What a run received from a broker, again.

@@ -2,31 +2,17 @@
 
 #include "engine/stopwatch.hpp"
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
 
 namespace bris {
 
-/// Time since 1970 UTC (s) that only goes forward, whatever becomes of the system's clock.
-class WallClock {
-public:
-    double at(Instant instant) const {
-        return at_beginning_ + std::chrono::duration<double>(instant - began_).count();
-    }
-
-private:
-    Instant began_ = this_instant();
-    double at_beginning_ =
-        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-};
-
 struct BrokerMessage {
     std::string topic, payload;
     bool retained = false; ///< kept by the broker from before the subscription
     Instant arrived = {};
-    double time = 0; ///< s since 1970 UTC, of the arrival
+    double time = 0; ///< s since 1970 UTC, of the arrival (arrival_now)
 };
 
 /// What a client counts.

@@ -29,7 +29,8 @@ constexpr auto glance = std::chrono::milliseconds(20);
 
 struct LineSource::Reader {
     int file = -1;
-    bool grows = false, unwritten = false; // unwritten: a pipe without a writer so far
+    bool is_file = false, grows = false,
+         unwritten = false; // unwritten: a pipe without a writer so far
     std::size_t capacity;
     std::deque<Line> queue;
     bool ended = false;
@@ -51,7 +52,8 @@ struct LineSource::Reader {
             if (file > STDIN_FILENO) close(file);
             throw OutputError(fmt::format("cannot read '{}': {}", path.string(), why));
         }
-        grows = path != "-" && S_ISREG(about.st_mode);
+        is_file = S_ISREG(about.st_mode);
+        grows = is_file && path != "-";
         unwritten = S_ISFIFO(about.st_mode) && path != "-";
         thread = std::thread([this] { read_all(); });
     }
@@ -97,6 +99,7 @@ struct LineSource::Reader {
     }
     void put() {
         line.arrived = this_instant();
+        line.arrival = is_file ? no_arrival : arrival_now();
         std::unique_lock lock(mutex);
         while (queue.size() >= capacity && !stop) room.wait_for(lock, glance);
         queue.push_back(line);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/io/arrival.hpp"
 #include "engine/stopwatch.hpp"
 
 #include <cstdint>
@@ -19,6 +20,7 @@ public:
         Instant arrived;
         /// False: cut off by the end of the input, or longer than `longest`.
         bool whole = true;
+        double arrival = no_arrival; ///< s since 1970 UTC (arrival_now); NaN: of a file
     };
     virtual ~Lines() = default;
     /// The next line; waits at most `timeout` (s) for it. Returns nothing if no line arrived, the
@@ -29,8 +31,9 @@ public:
 };
 
 /// Lines as they arrive from the standard input ("-"), a pipe or a growing file. A separate thread
-/// reads them, stamps them with the time of arrival and queues them. While the queue is full
-/// nothing is read, so that the writer of a pipe has to wait; no line is lost.
+/// reads them, stamps those that do not come from a file with the time of arrival, and queues them.
+/// While the queue is full nothing is read, so that the writer of a pipe has to wait; no line is
+/// lost.
 class LineSource : public Lines {
 public:
     /// Longest line in bytes; the rest of a longer line is skipped.

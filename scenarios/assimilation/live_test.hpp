@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/io/line_source.hpp"
-#include "scenarios/recordings/record_stream.hpp"
+#include "scenarios/stream/record_stream.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 
 #include <cstdint>

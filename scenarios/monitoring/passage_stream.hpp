@@ -2,7 +2,7 @@
 
 #include "engine/io/line_source.hpp"
 #include "scenarios/monitoring/passage.hpp"
-#include "scenarios/recordings/record_stream.hpp"
+#include "scenarios/stream/record_stream.hpp"
 
 #include <cstdint>
 #include <filesystem>

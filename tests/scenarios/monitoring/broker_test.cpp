@@ -2,7 +2,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/broker_client.hpp"
 #include "engine/io/whole_file.hpp"
-#include "scenarios/recordings/broker_lines.hpp"
+#include "scenarios/stream/broker_lines.hpp"
 #include "tests/scenarios/monitoring/test_broker.hpp"
 
 #include <doctest/doctest.h>

@@ -2,7 +2,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/broker_history.hpp"
 #include "engine/io/whole_file.hpp"
-#include "scenarios/monitoring/recording_replay.hpp"
+#include "scenarios/stream/recording_replay.hpp"
 #include "tests/scenarios/faults/process.hpp"
 #include "tests/scenarios/monitoring/test_broker.hpp"
 

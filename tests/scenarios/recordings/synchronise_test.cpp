@@ -4,7 +4,7 @@
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/twin.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
-#include "scenarios/recordings/recorded_stream.hpp"
+#include "scenarios/stream/recorded_stream.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/assimilation/steady_run.hpp"
 #include "tests/temporary_directory.hpp"

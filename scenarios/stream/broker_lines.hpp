@@ -3,8 +3,8 @@
 #include "engine/io/broker_link.hpp"
 #include "engine/io/line_source.hpp"
 #include "scenarios/recordings/recording.hpp"
-#include "scenarios/recordings/sensor_payload.hpp"
-#include "scenarios/recordings/sequence_track.hpp"
+#include "scenarios/stream/sensor_payload.hpp"
+#include "scenarios/stream/sequence_track.hpp"
 
 #include <deque>
 #include <map>
@@ -56,7 +56,8 @@ private:
     void take_machine(const BrokerMessage& message);
     bool allows(Sensor& sensor, std::size_t samples, double now) const;
     void take_news_of_link(const std::string& news);
-    void add(unsigned id, Sensor& sensor, const SensorPayload& payload, Instant arrived);
+    void add(unsigned id, Sensor& sensor, const SensorPayload& payload,
+             const BrokerMessage& message);
     void note(const std::string& kind, const std::string& text);
     void publish_health();
 

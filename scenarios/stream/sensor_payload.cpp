@@ -1,4 +1,4 @@
-#include "scenarios/recordings/sensor_payload.hpp"
+#include "scenarios/stream/sensor_payload.hpp"
 
 #include "engine/errors.hpp"
 

@@ -1,4 +1,4 @@
-#include "scenarios/recordings/broker_lines.hpp"
+#include "scenarios/stream/broker_lines.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
@@ -108,7 +108,7 @@ void BrokerLines::take_machine(const BrokerMessage& message) {
         return note("retained",
                     fmt::format("{}: a retained record is of another time", of_machine));
     ++machine_records_;
-    ready_.push_back({++lines_, std::move(text), message.arrived, true});
+    ready_.push_back({++lines_, std::move(text), message.arrived, true, message.time});
 }
 
 bool BrokerLines::allows(Sensor& sensor, std::size_t samples, double now) const {
@@ -148,7 +148,7 @@ void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage&
     switch (verdict) {
     case accepted:
     case late:
-        return add(id, sensor, p, message.arrived);
+        return add(id, sensor, p, message);
     case held_anew:
         sensor.held.clear();
         [[fallthrough]];
@@ -163,8 +163,8 @@ void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage&
                  message.topic, sensor.held.front().sequence, sensor.held.front().time,
                  sensor.last_time));
         for (const SensorPayload& before : std::exchange(sensor.held, {}))
-            add(id, sensor, before, message.arrived);
-        return add(id, sensor, p, message.arrived);
+            add(id, sensor, before, message);
+        return add(id, sensor, p, message);
     case contradiction:
     case rival:
         sensor.held.clear();
@@ -177,7 +177,8 @@ void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage&
     }
 }
 
-void BrokerLines::add(unsigned id, Sensor& sensor, const SensorPayload& p, Instant arrived) {
+void BrokerLines::add(unsigned id, Sensor& sensor, const SensorPayload& p,
+                      const BrokerMessage& message) {
     const auto columns = p.columns();
     sensor.last_time =
         p.time + static_cast<double>(p.samples() - 1) * static_cast<double>(p.interval);
@@ -188,7 +189,7 @@ void BrokerLines::add(unsigned id, Sensor& sensor, const SensorPayload& p, Insta
                          "{:.6g} s",
                          id, p.time));
     for (std::string& line : stream_lines(id, p))
-        ready_.push_back({++lines_, std::move(line), arrived, true});
+        ready_.push_back({++lines_, std::move(line), message.arrived, true, message.time});
 }
 
 void BrokerLines::publish_health() {

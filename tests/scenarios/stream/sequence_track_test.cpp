@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
-#include "scenarios/recordings/sensor_payload.hpp"
-#include "scenarios/recordings/sequence_track.hpp"
+#include "scenarios/stream/sensor_payload.hpp"
+#include "scenarios/stream/sequence_track.hpp"
 
 #include <doctest/doctest.h>
 
@@ -18,7 +18,7 @@ SequenceTrack::Message message(std::uint32_t sequence, double start = 0) {
 
 } // namespace
 
-TEST_SUITE("recordings/sequence_track") {
+TEST_SUITE("stream/sequence_track") {
     TEST_CASE("gaps are counted, and filled by messages that come late") {
         SequenceTrack track;
         CHECK(track.take(message(100)) == accepted);
@@ -87,7 +87,7 @@ TEST_SUITE("recordings/sequence_track") {
     }
 }
 
-TEST_SUITE("recordings/sensor_payload") {
+TEST_SUITE("stream/sensor_payload") {
     TEST_CASE("a payload comes back as it was sent") {
         SensorPayload p{.channels = 0x11, .sequence = 4000000000u, .time = -3.25, .interval = 0.5f};
         p.numbers = {1, 2, 3, 4, 5, 6, 7, 8, std::numeric_limits<float>::quiet_NaN(), 10, 11, 12};

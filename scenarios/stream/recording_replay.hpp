@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/io/broker_link.hpp"
-#include "scenarios/recordings/record_stream.hpp"
+#include "scenarios/stream/record_stream.hpp"
 
 #include <cstdint>
 #include <map>

@@ -1,5 +1,5 @@
 #include "engine/errors.hpp"
-#include "scenarios/monitoring/run_broker.hpp"
+#include "scenarios/stream/run_broker.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -27,7 +27,7 @@ std::vector<std::string> payloads_in(const fs::path& path) {
 
 } // namespace
 
-TEST_SUITE("monitoring/run_broker") {
+TEST_SUITE("stream/run_broker") {
     TEST_CASE("the history of a resumed run begins with that of the run before") {
         const TemporaryDirectory folder;
         fs::create_directories(folder.path() / "day");

@@ -1,4 +1,4 @@
-#include "scenarios/recordings/record_stream.hpp"
+#include "scenarios/stream/record_stream.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
@@ -32,7 +32,7 @@ std::optional<StreamRecord> RecordParser::parse(const LineSource::Line& line) {
     if (!line.whole)
         refuse(line, fmt::format("expected a whole line, found a truncated one: \"{}\"",
                                  beginning_of(line.text)));
-    StreamRecord record{line.number, line.arrived, {}};
+    StreamRecord record{line.number, line.arrived, line.arrival, {}};
     if (text[first] == '{') {
         try {
             record.numbers = json_numbers(line.text); // skips a mark

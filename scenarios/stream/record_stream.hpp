@@ -15,6 +15,7 @@ namespace bris {
 struct StreamRecord {
     std::uint64_t line; ///< number of the line in the stream
     Instant arrived;
+    double arrival; ///< s since 1970 UTC; NaN: it did not arrive, but was read from a file
     std::map<std::string, double> numbers;
 
     bool has(const std::string& name) const { return numbers.contains(name); }

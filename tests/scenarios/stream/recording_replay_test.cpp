@@ -1,11 +1,11 @@
 #include "engine/errors.hpp"
-#include "scenarios/monitoring/recording_replay.hpp"
+#include "scenarios/stream/recording_replay.hpp"
 
 #include <doctest/doctest.h>
 
 using namespace bris;
 
-TEST_SUITE("monitoring/recording_replay") {
+TEST_SUITE("stream/recording_replay") {
     TEST_CASE("a configuration is read, and a wrong one is refused by name") {
         const NodeConfiguration c = parse_configuration(
             R"({"revision": 7, "rate_hz": 50, "strategy": "triggered", "threshold": 2.5})");

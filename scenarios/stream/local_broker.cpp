@@ -1,4 +1,4 @@
-#include "scenarios/monitoring/local_broker.hpp"
+#include "scenarios/stream/local_broker.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"

@@ -1,4 +1,4 @@
-#include "scenarios/monitoring/run_broker.hpp"
+#include "scenarios/stream/run_broker.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/message.hpp"

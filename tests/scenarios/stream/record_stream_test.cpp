@@ -1,5 +1,5 @@
 #include "engine/errors.hpp"
-#include "scenarios/recordings/record_stream.hpp"
+#include "scenarios/stream/record_stream.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ LineSource::Line line(const std::string& text, bool whole = true) {
 
 } // namespace
 
-TEST_SUITE("recordings/record_stream") {
+TEST_SUITE("stream/record_stream") {
     TEST_CASE("a stream may contain JSON objects, CSV rows, or both") {
         RecordParser parser;
         const auto json = parser.parse(line(R"( {"t": 1.5, "id": 3, "ax": -9.81e0, "ux": null})"));

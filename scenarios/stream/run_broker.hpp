@@ -3,8 +3,8 @@
 #include "engine/io/broker_client.hpp"
 #include "engine/io/broker_history.hpp"
 #include "engine/scenario.hpp"
-#include "scenarios/recordings/broker_lines.hpp"
 #include "scenarios/recordings/recording.hpp"
+#include "scenarios/stream/broker_lines.hpp"
 
 #include <filesystem>
 #include <memory>

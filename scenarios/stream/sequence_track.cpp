@@ -1,4 +1,4 @@
-#include "scenarios/recordings/sequence_track.hpp"
+#include "scenarios/stream/sequence_track.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "scenarios/recordings/recorded_stream.hpp"
+#include "scenarios/stream/recorded_stream.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"

@@ -1,7 +1,7 @@
-#include "scenarios/monitoring/recording_replay.hpp"
+#include "scenarios/stream/recording_replay.hpp"
 
 #include "engine/errors.hpp"
-#include "scenarios/recordings/sensor_payload.hpp"
+#include "scenarios/stream/sensor_payload.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

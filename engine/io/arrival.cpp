@@ -1,0 +1,22 @@
+#include "engine/io/arrival.hpp"
+
+#include <ctime>
+
+namespace bris {
+
+namespace {
+
+double seconds_of(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+} // namespace
+
+double arrival_now() {
+    static const double anchor = seconds_of(CLOCK_REALTIME) - seconds_of(CLOCK_BOOTTIME);
+    return anchor + seconds_of(CLOCK_BOOTTIME);
+}
+
+} // namespace bris
