@@ -5,6 +5,7 @@
 #include "engine/interrupt.hpp"
 #include "engine/memory.hpp"
 #include "engine/message.hpp"
+#include "engine/not_judged.hpp"
 #include "engine/ranks.hpp"
 #include "engine/version.hpp"
 
@@ -239,6 +240,8 @@ int exit_code_of(const std::string& name, const std::function<void()>& body) {
         return report(name, error.what(), ExitCode::failed);
     } catch (const OutputError& error) {
         return report(name, error.what(), ExitCode::io_failure);
+    } catch (const NotJudged& less) {
+        return report(name, less.what(), ExitCode::not_judged);
     } catch (const Interrupted& stop) {
         return report(name, stop.what(), ExitCode::interrupted);
     } catch (const std::system_error& error) { // of a file, or of a closed standard output

@@ -1,16 +1,17 @@
 // Does the ballast beside a sensor rock foul or loosen? Compares recordings of train passages with
 // a baseline and writes one page with the verdict.
 #include "engine/errors.hpp"
+#include "engine/not_judged.hpp"
 #include "engine/scenario.hpp"
 #include "engine/signal/fft.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
-#include "scenarios/stream/run_broker.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/state_publisher.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
+#include "scenarios/stream/run_broker.hpp"
 
 #include <fmt/format.h>
 
@@ -32,6 +33,7 @@ struct Monitor {
     PassageStreamSettings of_stream;
     RunBrokerSettings broker;
     double speed = 0;
+    std::string required = "nothing";
 
     void describe(auto& option) {
         option.group("Recordings");
@@ -48,11 +50,16 @@ struct Monitor {
                "file; or monitor.h5, the history of a run over a broker. Sensors are those of the "
                "metadata of --baseline.");
         option("columns", columns, "", "Column map of CSV files of other programs.");
-        option("window", of_stream.window, "s", "Recorded time of a stream in one passage.",
-               within(1, 1e6));
+        option("quiet_time", of_stream.quiet, "s",
+               "Time without vibration that ends a passage in a stream.", within(0.5, 1e4));
+        option("window", of_stream.window, "s",
+               "Longest passage in a stream; a longer one is cut there.", within(1, 1e4));
         option("late", of_stream.late, "s",
-               "Recorded time for which a window of a stream waits for late records.",
-               within(0, 1e6));
+               "Time after a passage for which late records revise its verdict.", within(0, 1e6));
+        option("memory_of_stream", of_stream.memory, "MB",
+               "Largest size of the records of a stream that wait for their verdict to be final. "
+               "Beyond it the oldest verdicts become final.",
+               within(1, 1e5));
         option("timeout", of_stream.timeout, "s",
                "Time without a record after which the stream counts as ended.", above(0, 1e7));
         option.group("Broker");
@@ -73,6 +80,9 @@ struct Monitor {
                within(2, 3600));
         option.group("Comparison");
         settings.describe(option);
+        option("require", required, "",
+               "all: end with exit code 5 if something that was recorded was not judged.",
+               {"nothing", "all"});
     }
 };
 
@@ -206,35 +216,61 @@ private:
 
     void take(const Passage& passage) {
         recorded_ += recorded_time(passage);
-        const PassageResult result = judge_passage(passage, baselines_, settings_);
-        log_->add(result);
+        add(judge_passage(passage, baselines_, settings_));
+    }
+
+    void take(const StreamPassage& given) {
+        PassageResult result = judge_passage(given.passage, baselines_, settings_);
+        result.id = given.id;
+        result.revision = given.revision;
+        result.is_final = given.is_final;
+        if (!given.time_is_known)
+            for (SensorResult& s : result.sensors) {
+                if (s.id != given.passage.recordings.front().info.id) continue;
+                s.reason = fmt::format("nothing says when it was recorded (by itself: {})",
+                                       text_of(s.verdict));
+                s.verdict = Verdict::time_unknown;
+            }
+        if (!given.time_is_known) // the others were recorded at another time
+            std::erase_if(result.sensors,
+                          [](const SensorResult& s) { return s.verdict != Verdict::time_unknown; });
+        add(std::move(result), given.replaces);
+    }
+
+    void add(PassageResult result, const std::vector<std::uint64_t>& replaces = {}) {
         publish(result);
-        if (common_.quiet) return;
-        const OverallVerdict v = overall_verdict({result});
-        fmt::print("{}: {}: {}\n", passage.name, text_of(v.verdict), v.reason);
-        std::fflush(stdout);
+        if (!common_.quiet) {
+            const OverallVerdict v = overall_verdict({result});
+            fmt::print("{}{}: {}: {}\n", result.name, result.is_final ? "" : " (provisional)",
+                       text_of(v.verdict), v.reason);
+            std::fflush(stdout);
+        }
+        log_->add(std::move(result), replaces);
     }
 
     void follow(const std::filesystem::path& metadata) {
-        settings_.rest = m_.of_stream.window; // a train may pass when a window begins
+        PassageStreamSettings of_stream = m_.of_stream;
+        of_stream.quantity = settings_.quantity;
+        for (const SensorBaseline& b : baselines_)
+            if (b.impossible_because.empty()) of_stream.thresholds[b.id] = b.train_threshold;
+        settings_.rest = of_stream.window + 10; // passages are compared as a whole
         const auto infos = sensor_infos_in(metadata, "--baseline");
-        PassageStream stream(lines_of(infos), infos, m_.of_stream);
+        PassageStream stream(lines_of(infos), infos, of_stream);
         began_ = processor_time();
         while (const auto passage = stream.next()) {
-            stream_report_ = report_of(stream);
-            const double recorded = recorded_time(*passage);
-            if (stream.over() && log_->count() > 0 &&
-                recorded < settings_.least_duration + m_.of_stream.late) {
-                ended_ = fmt::format("the stream ended {:.3g} s after the last window, too soon "
-                                     "for a verdict on that time\n",
-                                     recorded);
-                break;
-            }
+            recorded_ = stream.recorded_time();
             take(*passage);
+            note(stream);
             write_page(common_.out, report());
         }
-        stream_report_ = report_of(stream) + ended_;
+        recorded_ = stream.recorded_time();
+        note(stream);
         from_broker_ = nullptr; // it ends with the stream
+    }
+
+    void note(const PassageStream& stream) {
+        stream_report_ = report_of(stream);
+        records_ = stream.counts();
     }
 
     std::string report_of(const PassageStream& stream) const {
@@ -243,8 +279,8 @@ private:
     }
 
     MonitorReport report() const {
-        return {what_,        baseline_,     settings_,     baselines_,
-                log_->kept(), log_->count(), stream_report_};
+        return {what_,        baseline_,     settings_,      baselines_,
+                log_->kept(), log_->tally(), stream_report_, records_};
     }
 
     void finish() {
@@ -259,12 +295,16 @@ private:
         summary.add("processor_time_s", used);
         summary.add("processor_share", recorded_ > 0 ? used / recorded_ : std::nan(""));
         report_results(common_, summary);
+        if (m_.required != "all") return;
+        if (const std::string left = not_judged(report()); !left.empty())
+            throw NotJudged("--require all: " + left);
     }
 
     const Monitor& m_;
     const Common& common_;
     MonitorSettings settings_;
-    std::string what_, baseline_, stream_report_, ended_;
+    std::string what_, baseline_, stream_report_;
+    std::optional<StreamCounts> records_; // of a stream
     std::vector<SensorBaseline> baselines_;
     std::optional<PassageLog> log_;
     std::optional<Hdf5File> run_file_;

@@ -99,7 +99,7 @@ void add_sensor_table(HtmlPage& page, const MonitorReport& report) {
 }
 
 void add_history(HtmlPage& page, const MonitorReport& report) {
-    if (report.judged < 2) return;
+    if (report.tally.all() < 2) return;
     page.heading("Passages");
     std::vector<std::vector<std::string>> rows{{"passage", "verdict", "reason"}};
     std::vector<std::string> kinds;
@@ -115,9 +115,9 @@ void add_history(HtmlPage& page, const MonitorReport& report) {
         kinds.push_back(kind_of(v.verdict));
     }
     page.table(rows, kinds);
-    if (report.judged > shown)
+    if (report.tally.all() > shown)
         page.paragraph(
-            fmt::format("The first {} passages are in history.csv.", report.judged - shown));
+            fmt::format("The first {} passages are in history.csv.", report.tally.all() - shown));
 }
 
 std::vector<double> times_since_first(const ChartPoints& points) {
@@ -182,6 +182,40 @@ void add_sensor(HtmlPage& page, const MonitorReport& report, unsigned id) {
 
 } // namespace
 
+namespace {
+
+/// Share of the records that were received, without copies, that could not be used.
+double lost_share(const StreamCounts& c) {
+    const std::uint64_t distinct = c.received - (c.left_out - c.lost);
+    return distinct > 0 ? static_cast<double>(c.lost) / static_cast<double>(distinct) : 0;
+}
+
+} // namespace
+
+OverallVerdict overall_verdict(const MonitorReport& report) {
+    if (report.records && report.tally.all() == 0)
+        return {Verdict::not_enough_data,
+                report.records->received == 0 ? "nothing was recorded" : "no train passed"};
+    OverallVerdict v = overall_verdict(report.passages);
+    if (v.verdict == Verdict::as_baseline)
+        v.reason = report.tally.sentence();
+    else if (report.tally.all() > 1)
+        v.reason += "; " + report.tally.sentence();
+    const double lost = report.records ? lost_share(*report.records) : 0;
+    if (lost > report.settings.largest_missing && v.verdict == Verdict::as_baseline)
+        v = {Verdict::not_enough_data,
+             fmt::format("{:.0f} % of the records could not be used; {}", 100 * lost, v.reason)};
+    return v;
+}
+
+std::string not_judged(const MonitorReport& report) {
+    std::string text = report.tally.all() == 0 ? "no passage" : report.tally.not_judged();
+    if (report.records && report.records->lost > 0)
+        text += fmt::format("{}{} of {} records left out", text.empty() ? "" : "; ",
+                            report.records->lost, report.records->received);
+    return text;
+}
+
 Plot spectrum_plot(const SensorResult& result, const SensorBaseline& baseline,
                    const std::string& quantity) {
     const Quantity q = quantity_of(quantity);
@@ -225,7 +259,7 @@ Plot chart_plot(const SensorResult& result, double width) {
 
 void write_page(const std::filesystem::path& folder, const MonitorReport& report) {
     HtmlPage page("SmartRock monitor");
-    const OverallVerdict overall = overall_verdict(report.passages);
+    const OverallVerdict overall = overall_verdict(report);
     page.verdict(kind_of(overall.verdict), text_of(overall.verdict), overall.reason);
     page.paragraph(fmt::format("Recordings: {}. Baseline: {}. Quantity: {}.", report.recordings,
                                report.baseline, quantity_of(report.settings.quantity).name));
@@ -267,10 +301,20 @@ void draw_pictures(const std::filesystem::path& folder, const MonitorReport& rep
 }
 
 void add_results(Summary& summary, const MonitorReport& report) {
-    const OverallVerdict overall = overall_verdict(report.passages);
+    const OverallVerdict overall = overall_verdict(report);
     summary.add("verdict", text_of(overall.verdict));
     summary.add("reason", overall.reason);
-    summary.add("passages", report.judged);
+    summary.add("passages", report.tally.all());
+    summary.add("passages_as_baseline", report.tally.as_baseline);
+    summary.add("passages_changed", report.tally.changed);
+    summary.add("passages_not_judged",
+                report.tally.all() - report.tally.as_baseline - report.tally.changed);
+    if (report.records) {
+        summary.add("records_received", report.records->received);
+        summary.add("records_in_passages", report.records->in_passages);
+        summary.add("records_quiet", report.records->quiet);
+        summary.add("records_left_out", report.records->left_out);
+    }
     for (const unsigned id : sensors_of(report)) {
         const OverallVerdict v = overall_verdict(report.passages, id);
         const SensorResult& s = *most_serious_result(report.passages, id).sensor;

@@ -2,9 +2,11 @@
 
 #include "engine/io/plot.hpp"
 #include "engine/summary.hpp"
+#include "scenarios/monitoring/passage_stream.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +18,16 @@ struct MonitorReport {
     const MonitorSettings& settings;
     const std::vector<SensorBaseline>& baselines;
     const std::vector<PassageResult>& passages; ///< that are kept (PassageLog)
-    std::size_t judged = 0;                     ///< all passages
+    const PassageTally& tally;                  ///< of all passages
     std::string stream = {};                    ///< report on the stream; empty: a folder was read
+    std::optional<StreamCounts> records = {};   ///< of the stream
 };
+
+/// The overall verdict, at most as good as what was judged: not an all-clear if more than
+/// `largest_missing` of the records that were received could not be used.
+OverallVerdict overall_verdict(const MonitorReport& report);
+/// What was not judged, for --require all; empty: everything was.
+std::string not_judged(const MonitorReport& report);
 
 /// Spectrum of the baseline, and of the recording with its 95 % confidence band.
 Plot spectrum_plot(const SensorResult& result, const SensorBaseline& baseline,

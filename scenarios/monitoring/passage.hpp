@@ -12,6 +12,7 @@ namespace bris {
 struct Passage {
     std::string name;
     std::vector<Recording> recordings; ///< one for each sensor of the metadata, perhaps empty
+    std::vector<unsigned> still = {};  ///< sensors that recorded all of it, and did not vibrate
 };
 
 /// Reads a folder of recordings: metadata rock_NN.txt, and a file recordings.csv for each passage,

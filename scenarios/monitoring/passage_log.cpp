@@ -13,7 +13,9 @@
 namespace bris {
 
 PassageLog::PassageLog(const std::filesystem::path& folder) : path_(folder / "history.csv") {
-    write_whole(path_, "passage,sensor,verdict,outlier_share,rms_ratio,power_ratio,reason\n");
+    write_whole(
+        path_,
+        "passage,revision,state,sensor,verdict,outlier_share,rms_ratio,power_ratio,reason\n");
     file_.reset(std::fopen(path_.c_str(), "a"));
     if (!file_) throw OutputError(fmt::format("cannot write '{}'", path_.string()));
 }
@@ -25,7 +27,8 @@ void PassageLog::write(const PassageResult& passage) {
         std::string reason = s.reason;
         std::ranges::replace(reason, '"', '\'');
         text +=
-            fmt::format("\"{}\",{},{},{},{},{},\"{}\"\n", passage.name, s.id, text_of(s.verdict),
+            fmt::format("\"{}\",{},{},{},{},{},{},{},\"{}\"\n", passage.name, passage.revision,
+                        passage.is_final ? "final" : "provisional", s.id, text_of(s.verdict),
                         cell(s.outlier_share), cell(s.level_ratio), cell(s.power_ratio), reason);
     }
     const bool written = std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size();
@@ -33,9 +36,19 @@ void PassageLog::write(const PassageResult& passage) {
         throw OutputError(fmt::format("cannot write '{}': is the disk full?", path_.string()));
 }
 
-void PassageLog::add(PassageResult passage) {
+void PassageLog::add(PassageResult passage, const std::vector<std::uint64_t>& replaces) {
     write(passage);
-    ++count_;
+    const auto forget = [&](std::uint64_t id) {
+        const auto counted = provisional_.find(id);
+        if (counted == provisional_.end()) return;
+        tally_.add(counted->second, -1);
+        provisional_.erase(counted);
+        std::erase_if(kept_, [&](const PassageResult& one) { return one.id == id; });
+    };
+    forget(passage.id);
+    for (const std::uint64_t id : replaces) forget(id);
+    tally_.add(verdict_on(passage));
+    if (!passage.is_final) provisional_[passage.id] = verdict_on(passage);
     kept_.push_back(std::move(passage));
     std::set<unsigned> ids;
     for (const PassageResult& one : kept_)

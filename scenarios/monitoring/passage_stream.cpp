@@ -4,12 +4,11 @@
 #include "engine/interrupt.hpp"
 #include "engine/signal/median.hpp"
 #include "engine/stopwatch.hpp"
-#include "scenarios/recordings/device_channels.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -17,23 +16,14 @@ namespace bris {
 
 namespace {
 
-/// Whether a record of the window has one of the numbers.
-template <std::size_t N>
-bool any_has(const std::vector<const StreamRecord*>& records,
-             const std::array<const char*, N>& names) {
-    return std::ranges::any_of(records, [&](const StreamRecord* r) {
-        return std::ranges::any_of(names, [&](const char* name) { return r->has(name); });
-    });
-}
-
-Vec3 vector_of(const StreamRecord& r, const std::array<const char*, 3>& names) {
-    return {r.number(names[0]), r.number(names[1]), r.number(names[2])};
-}
-
-constexpr std::array force_names{"ax", "ay", "az"}, rate_names{"gx", "gy", "gz"},
-    field_names{"mx", "my", "mz"};
-constexpr double latest_time = 1e11; // s, where a window still has a length
-constexpr std::array attitude_names{"qw", "qx", "qy", "qz"};
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double reordered = 2;      // s of own time for which rows wait for those before them
+constexpr double look_interval = 1;  // s of own time
+constexpr double waiting = 10;       // s after a passage before it is given without all sensors
+constexpr double all_recorded = 0.9; // share of a passage that a sensor has recorded as a whole
+constexpr double glance = 1;         // s between ticks while no record comes
+constexpr double shortest = 0.5;     // s; what is shorter is a knock and no train
+constexpr std::size_t most_final = 10000;
 
 } // namespace
 
@@ -43,149 +33,346 @@ PassageStream::PassageStream(const std::filesystem::path& source, std::vector<Se
 
 PassageStream::PassageStream(std::unique_ptr<Lines> lines, std::vector<SensorInfo> infos,
                              const PassageStreamSettings& settings)
-    : lines_(std::move(lines)), infos_(std::move(infos)), settings_(settings) {
-    require(!infos_.empty(), "stream: expected at least one file rock_NN.txt, found none");
-}
-
-void PassageStream::note(const std::string& kind, const std::string& text) {
-    auto& [count, first] = notes_[kind];
-    if (count++ == 0) first = text;
-}
-
-std::optional<Passage> PassageStream::next() {
-    Instant waiting_since = this_instant();
-    while (true) {
-        if (interrupted()) throw Interrupted("interrupted; the results so far are written");
-        if (origin_ && !over_ && reached() > begin_ + settings_.window + settings_.late)
-            return close_window();
-        const bool pending = std::ranges::any_of(
-            samples_, [](const auto& sensor) { return !sensor.second.empty(); });
-        if (over_ && !pending) return {};
-        if (over_) return close_window();
-        const auto line =
-            lines_->next(std::max(0.0, settings_.timeout - seconds_since(waiting_since)));
-        if (line) {
-            waiting_since = this_instant();
-            take(*line);
-        } else if (!interrupted() &&
-                   (lines_->over() || seconds_since(waiting_since) >= settings_.timeout)) {
-            over_ = true;
-        }
+    : lines_(std::move(lines)), gate_(infos), settings_(settings) {
+    require(!infos.empty(), "stream: expected at least one file rock_NN.txt, found none");
+    for (const SensorInfo& info : infos) {
+        const auto threshold = settings_.thresholds.find(info.id);
+        sensors_[info.id] = {.info = info,
+                             .settings = {.quantity = settings_.quantity,
+                                          .threshold = threshold == settings_.thresholds.end()
+                                                           ? 0
+                                                           : threshold->second,
+                                          .quiet = settings_.quiet,
+                                          .longest = settings_.window}};
     }
 }
 
-void PassageStream::take(const LineSource::Line& line) {
+std::optional<StreamPassage> PassageStream::next() {
+    Instant waiting_since = this_instant();
+    while (true) {
+        if (interrupted()) throw Interrupted("interrupted; the results so far are written");
+        if (!ready_.empty()) {
+            StreamPassage first = std::move(ready_.front());
+            ready_.pop_front();
+            return first;
+        }
+        if (over_) return {};
+        const double left = settings_.timeout - seconds_since(waiting_since);
+        const auto line = lines_->next(std::clamp(left, 0.0, glance));
+        if (line) {
+            waiting_since = this_instant();
+            take(*line);
+        } else if (!interrupted() && (lines_->over() || left <= 0)) {
+            over_ = true;
+        }
+        if (over_) gate_.end();
+        update();
+    }
+}
+
+void PassageStream::take(const Lines::Line& line) {
     ++taken_;
     try {
         auto record = parser_.parse(line);
         if (!record) return;
-        if (record->has("end"))
+        if (record->has("end")) {
             over_ = record->number("end") != 0;
-        else
-            take_record(std::move(*record));
-    } catch (const InputError& e) {
-        note("unreadable", e.what());
-    }
-}
-
-void PassageStream::take_record(StreamRecord record) {
-    const double id = record.number("id"), t = record.number("t");
-    const auto info = std::ranges::find_if(
-        infos_, [&](const SensorInfo& one) { return static_cast<double>(one.id) == id; });
-    if (info == infos_.end())
-        return note("unknown", fmt::format("line {}: id: expected the id of a file rock_NN.txt, "
-                                           "found {}",
-                                           record.line, id));
-    if (!(std::abs(t) < latest_time)) // a NaN too
-        return note("no time", fmt::format("line {}: sensor {}: t: expected a number, found {}",
-                                           record.line, id, t));
-    const double time = t - info->clock_offset;
-    if (!origin_) origin_ = begin_ = time - settings_.late; // earlier records may follow
-    if (time < begin_)
-        return note("late", fmt::format("line {}: sensor {}: t = {:.10g} s is before the present "
-                                        "window",
-                                        record.line, id, t));
-    last_[info->id] = std::max(last_.emplace(info->id, time).first->second, time);
-    if (!samples_[info->id].emplace(t, std::move(record)).second)
-        note("again", fmt::format("sensor {}: t = {:.10g} s was sent before; the first record is "
-                                  "used",
-                                  id, t));
-}
-
-/// Time that the median sensor has reached, of those heard in the window.
-double PassageStream::reached() const {
-    std::vector<double> times;
-    for (const auto& [id, time] : last_) times.push_back(time);
-    return times.empty() ? -std::numeric_limits<double>::infinity() : median(std::move(times));
-}
-
-Passage PassageStream::close_window() {
-    const double end = begin_ + settings_.window;
-    Passage passage{fmt::format("{:.6g} to {:.6g} s", begin_ - *origin_, end - *origin_), {}};
-    for (const SensorInfo& info : infos_) passage.recordings.push_back(recording_of(info, end));
-    double earliest = std::numeric_limits<double>::infinity();
-    for (const SensorInfo& info : infos_)
-        if (const auto& samples = samples_[info.id]; !samples.empty())
-            earliest = std::min(earliest, samples.begin()->first - info.clock_offset);
-    begin_ = end;
-    if (std::isfinite(earliest) && earliest >= end + settings_.window) // nothing came in between
-        begin_ += settings_.window * std::floor((earliest - end) / settings_.window);
-    last_.clear();
-    for (const SensorInfo& info : infos_)
-        if (const auto& samples = samples_[info.id]; !samples.empty())
-            last_[info.id] = samples.rbegin()->first - info.clock_offset;
-    return passage;
-}
-
-/// The samples of a sensor before `end`, which are taken out of those that wait.
-Recording PassageStream::recording_of(const SensorInfo& info, double end) {
-    Samples& all = samples_[info.id];
-    const auto stop = all.lower_bound(end + info.clock_offset);
-    std::vector<const StreamRecord*> records;
-    for (auto at = all.begin(); at != stop; ++at) records.push_back(&at->second);
-    Recording r;
-    r.info = info;
-    const bool force = any_has(records, force_names), rate = any_has(records, rate_names),
-               field = any_has(records, field_names), attitude = any_has(records, attitude_names),
-               flags = any_has(records, std::array{"flags"});
-    std::vector<const DeviceChannel*> device;
-    for (const DeviceChannel& channel : device_channels())
-        if (any_has(records, std::array{channel.column})) device.push_back(&channel);
-    const bool counted = !records.empty() && std::ranges::all_of(records, [](const auto* one) {
-        return is_count(one->number("seq"));
-    });
-    for (const StreamRecord* one : records) {
-        r.time.push_back(one->number("t"));
-        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(one->number("seq")));
-        if (force) r.force.push_back(info.force_of(vector_of(*one, force_names)));
-        if (rate) r.rate.push_back(info.rate_of(vector_of(*one, rate_names)));
-        if (field) r.field.push_back(info.field_of(vector_of(*one, field_names)));
-        if (attitude)
-            r.attitude.emplace_back(one->number("qw"), one->number("qx"), one->number("qy"),
-                                    one->number("qz"));
-        if (flags) {
-            const double bits = one->has("flags") ? one->number("flags") : 0;
-            r.flags.push_back(is_count(bits) ? static_cast<std::uint64_t>(bits) : 1);
+            return;
         }
-        for (const DeviceChannel* channel : device)
-            (r.*channel->values)
-                .push_back(channel->value_of_file(info, one->number(channel->column)));
+        for (GatedRecord& passed : gate_.take(std::move(*record))) keep(std::move(passed));
+    } catch (const InputError& e) {
+        ++unreadable_;
+        gate_.leave_out(LeftOut::unreadable, e.what());
     }
-    all.erase(all.begin(), stop);
-    reject_flagged(r);
-    return r;
 }
 
-bool PassageStream::over() const {
-    return over_ &&
-           std::ranges::all_of(samples_, [](const auto& sensor) { return sensor.second.empty(); });
+void PassageStream::keep(GatedRecord record) {
+    Sensor& sensor = sensors_.at(record.id);
+    if (record.t > sensor.last) {
+        if (record.t < sensor.last + sensor.settings.quiet)
+            sensor.recorded += record.t - sensor.last;
+    }
+    sensor.last = record.t;
+    if (join(sensor, record.segment, record)) return;
+    Open& open = sensor.open[record.segment];
+    open.latest = open.samples.empty() ? record.t : std::max(open.latest, record.t);
+    open.samples.add(record);
+    if (open.latest - open.looked_at >= look_interval) look(sensor, record.segment, open, false);
+}
+
+/// Adds a late record to the activity in whose time it lies. Returns false if there is none.
+bool PassageStream::join(Sensor& sensor, std::size_t segment, const GatedRecord& record) {
+    for (auto a = sensor.activities.rbegin(); a != sensor.activities.rend(); ++a)
+        if (a->segment == segment && record.t >= a->own.begin - sensor.settings.margin &&
+            record.t <= a->own.end + sensor.settings.margin) {
+            a->samples.add(record);
+            return true;
+        }
+    return false;
+}
+
+/// Finds the passages that have ended among the records that wait, and forgets what is quiet.
+void PassageStream::look(Sensor& sensor, std::size_t segment, Open& open, bool at_end) {
+    open.looked_at = open.latest;
+    const std::size_t twice = open.samples.sort();
+    if (twice > 0)
+        gate_.leave_out(LeftOut::contradiction,
+                        fmt::format("sensor {}: two records of one time", sensor.info.id), twice);
+    const double settled = at_end ? open.latest + sensor.settings.quiet + 1
+                                  : open.latest - reordered - activity_context;
+    find_activity(open.samples, sensor.info, sensor.settings, settled);
+    double needed = settled;
+    for (const Interval& passage : passages_in(open.samples, sensor.settings)) {
+        const bool has_ended = settled - passage.end >= sensor.settings.quiet ||
+                               settled - passage.begin > sensor.settings.longest;
+        if (!has_ended) {
+            needed = passage.begin;
+            break;
+        }
+        if (passage.end - passage.begin >= shortest) close(sensor, segment, open, passage);
+    }
+    const double keep_from = needed - activity_context - sensor.settings.margin - look_interval;
+    const std::size_t old = at_end ? open.samples.size() : open.samples.row_at(keep_from);
+    quiet_ += open.samples.extract(0, old).size();
+}
+
+/// Makes an activity of a passage, together with those of the same sensor that it touches.
+void PassageStream::close(Sensor& sensor, std::size_t segment, Open& open,
+                          const Interval& passage) {
+    const double margin = sensor.settings.margin, quiet = sensor.settings.quiet;
+    const std::size_t begin = open.samples.row_at(passage.begin - margin),
+                      end = open.samples.row_at(std::nextafter(passage.end + margin, 1e300));
+    Activity made{segment, passage, {}, open.samples.extract(begin, end)};
+    for (auto a = sensor.activities.begin(); a != sensor.activities.end();) {
+        const bool touches =
+            a->segment == segment && a->own.begin - made.own.end < quiet &&
+            made.own.begin - a->own.end < quiet &&
+            std::max(a->own.end, made.own.end) - std::min(a->own.begin, made.own.begin) <=
+                sensor.settings.longest;
+        if (!touches) {
+            ++a;
+            continue;
+        }
+        made.own = {std::min(a->own.begin, made.own.begin), std::max(a->own.end, made.own.end)};
+        made.samples.merge(a->samples);
+        if (made.passage == 0) made.passage = a->passage;
+        a = sensor.activities.erase(a);
+    }
+    sensor.activities.push_back(std::move(made));
+}
+
+/// Gives the passages that have become due, changed or final.
+void PassageStream::update() {
+    double progress = gate_.now();
+    if (std::isnan(progress)) progress = static_cast<double>(taken_) / 1000; // a file
+    if (!over_ && progress - updated_ < glance) return;
+    updated_ = progress;
+    if (over_)
+        for (auto& [id, sensor] : sensors_)
+            for (auto& [segment, open] : sensor.open) look(sensor, segment, open, true);
+    for (const Group& group : groups()) {
+        const bool is_final = over_ || is_complete(group) || is_over_late(group);
+        if (is_final || is_due(group)) give(group, is_final);
+        if (is_final) release(group);
+    }
+    forget_released(); // groups point to them
+    if (over_) give_unknown();
+    limit_memory();
+}
+
+/// The activities whose times are known, those together that have less than `quiet` between them.
+std::vector<PassageStream::Group> PassageStream::groups() {
+    std::vector<std::pair<Interval, std::pair<Sensor*, Activity*>>> all;
+    for (auto& [id, sensor] : sensors_)
+        for (Activity& a : sensor.activities) {
+            if (!a.offset) {
+                const Gate::Offset o = gate_.offset(id, a.segment, a.own.end);
+                if (o.basis == TimeBasis::unknown) continue;
+                a.offset = o.seconds;
+            }
+            all.push_back({{a.own.begin + *a.offset, a.own.end + *a.offset}, {&sensor, &a}});
+        }
+    std::ranges::stable_sort(all, {}, [](const auto& one) { return one.first.begin; });
+    std::vector<Group> found;
+    for (const auto& [time, member] : all) {
+        if (found.empty() || time.begin - found.back().time.end >= settings_.quiet ||
+            time.begin - found.back().time.begin > settings_.window)
+            found.push_back({time, {}});
+        found.back().time.end = std::max(found.back().time.end, time.end);
+        found.back().members.push_back(member);
+    }
+    return found;
+}
+
+/// Whether every sensor has recorded the whole time of a passage.
+bool PassageStream::is_complete(const Group& group) const {
+    return std::ranges::all_of(sensors_, [&](const auto& sensor) {
+        return gate_.reached(sensor.first) >= group.time.end + settings_.quiet + reordered &&
+               gate_.coverage(sensor.first, group.time.begin, group.time.end) >= all_recorded;
+    });
+}
+
+/// Whether a passage can be judged for now: the sensors that go on have passed its end.
+bool PassageStream::is_due(const Group& group) const {
+    const double end = group.time.end + settings_.quiet + reordered;
+    if (gate_.goes_by_arrival()) return gate_.now() >= end + waiting;
+    std::size_t heard = 0, passed = 0;
+    for (const auto& [id, sensor] : sensors_) {
+        const double reached = gate_.reached(id);
+        heard += std::isfinite(reached);
+        passed += reached >= end;
+    }
+    return 2 * passed > heard;
+}
+
+bool PassageStream::is_over_late(const Group& group) const {
+    if (gate_.goes_by_arrival()) return gate_.now() >= group.time.end + settings_.late + waiting;
+    std::vector<double> reached;
+    for (const auto& [id, sensor] : sensors_)
+        if (const double t = gate_.reached(id); std::isfinite(t)) reached.push_back(t);
+    return !reached.empty() &&
+           median(std::move(reached)) >= group.time.end + settings_.late + waiting;
+}
+
+void PassageStream::give(const Group& group, bool is_final) {
+    StreamPassage given{.is_final = is_final};
+    std::size_t samples = 0;
+    for (const auto& [sensor, activity] : group.members) {
+        (void)activity->samples.sort();
+        samples += activity->samples.size();
+        if (activity->passage == 0) continue;
+        if (given.id == 0) given.id = activity->passage;
+        if (activity->passage != given.id) given.replaces.push_back(activity->passage);
+    }
+    if (given.id == 0) given.id = ++passages_;
+    std::ranges::sort(given.replaces);
+    const auto [first, last] = std::ranges::unique(given.replaces);
+    given.replaces.erase(first, last);
+    Given& before = given_[given.id];
+    for (const std::uint64_t other : given.replaces) given_.erase(other);
+    const bool has_changed = before.samples != samples || before.time.begin != group.time.begin ||
+                             before.time.end != group.time.end || !given.replaces.empty();
+    for (const auto& [sensor, activity] : group.members) activity->passage = given.id;
+    if (!has_changed && !is_final) return;
+    before = {before.revision + (has_changed ? 1u : 0u), samples, group.time};
+    given.revision = before.revision;
+    given.passage.name = name_of(group.time.begin);
+    for (auto& [id, sensor] : sensors_) {
+        const auto own = std::ranges::find_if(
+            group.members, [&](const auto& member) { return member.first == &sensor; });
+        if (own == group.members.end()) {
+            given.passage.recordings.emplace_back().info = sensor.info;
+            if (gate_.coverage(id, group.time.begin, group.time.end) >= all_recorded)
+                given.passage.still.push_back(id);
+            continue;
+        }
+        Samples all;
+        for (const auto& [of, activity] : group.members)
+            if (of == &sensor) all.merge(activity->samples);
+        (void)all.sort();
+        given.passage.recordings.push_back(all.recording(sensor.info));
+    }
+    ready_.push_back(std::move(given));
+}
+
+/// Marks the activities of a final passage, so that `forget_released` forgets them.
+void PassageStream::release(const Group& group) {
+    std::uint64_t id = 0;
+    for (const auto& [sensor, activity] : group.members) {
+        id = activity->passage;
+        in_passages_ += activity->samples.size();
+        activity->samples = {};
+        activity->passage = 0;
+        activity->own.end = activity->own.begin - 1; // marked
+    }
+    given_.erase(id);
+    final_.push_back(group.time);
+    if (final_.size() > most_final) final_.erase(final_.begin());
+}
+
+void PassageStream::forget_released() {
+    for (auto& [id, sensor] : sensors_)
+        std::erase_if(sensor.activities, [](const Activity& a) { return a.own.end < a.own.begin; });
+}
+
+/// At the end: what vibrated at times that nothing tells.
+void PassageStream::give_unknown() {
+    for (auto& [id, sensor] : sensors_) {
+        for (Activity& a : sensor.activities) {
+            StreamPassage given{.id = ++passages_, .is_final = true, .time_is_known = false};
+            given.passage.name =
+                fmt::format("unknown time, sensor {}, t = {:.6g} s", id, a.own.begin);
+            (void)a.samples.sort();
+            gate_.leave_out(LeftOut::time_unknown, given.passage.name, a.samples.size());
+            given.passage.recordings.push_back(a.samples.recording(sensor.info));
+            ready_.push_back(std::move(given));
+        }
+        sensor.activities.clear();
+    }
+}
+
+/// Makes the oldest passages final when the records that wait need more than they may.
+void PassageStream::limit_memory() {
+    const auto limit = static_cast<std::size_t>(1e6 * settings_.memory);
+    const auto in_use = [&] {
+        std::size_t bytes = 0;
+        for (const auto& [id, sensor] : sensors_) {
+            for (const Activity& a : sensor.activities) bytes += a.samples.bytes();
+            for (const auto& [segment, open] : sensor.open) bytes += open.samples.bytes();
+        }
+        return bytes;
+    };
+    while (in_use() > limit) {
+        auto all = groups();
+        if (!all.empty()) {
+            give(all.front(), true);
+            release(all.front());
+            forget_released();
+            continue;
+        }
+        Sensor* largest = nullptr;
+        for (auto& [id, sensor] : sensors_)
+            if (!sensor.activities.empty() &&
+                (largest == nullptr || sensor.activities.front().samples.size() >
+                                           largest->activities.front().samples.size()))
+                largest = &sensor;
+        if (largest == nullptr) return; // open records alone: `window` bounds them
+        gate_.leave_out(LeftOut::no_room,
+                        fmt::format("sensor {}: more than {:g} MB of records of unknown time",
+                                    largest->info.id, settings_.memory),
+                        largest->activities.front().samples.size());
+        largest->activities.pop_front();
+    }
+}
+
+std::string PassageStream::name_of(double common) const {
+    if (!gate_.goes_by_arrival()) return fmt::format("{:.1f} s", common);
+    return fmt::format("{:%Y-%m-%d %H:%M:%S}",
+                       fmt::gmtime(static_cast<std::time_t>(std::floor(common))));
+}
+
+StreamCounts PassageStream::counts() const {
+    StreamCounts c{.received = gate_.received() + unreadable_,
+                   .in_passages = in_passages_,
+                   .quiet = quiet_,
+                   .left_out = gate_.accounts().total(),
+                   .lost = gate_.accounts().lost()};
+    c.waiting = c.received - std::min(c.received, c.in_passages + c.quiet + c.left_out);
+    return c;
+}
+
+double PassageStream::recorded_time() const {
+    double longest = 0;
+    for (const auto& [id, sensor] : sensors_) longest = std::max(longest, sensor.recorded);
+    return longest;
 }
 
 std::string PassageStream::report() const {
-    std::string text = fmt::format("{} lines read\n", taken_);
-    for (const auto& [kind, what] : notes_)
-        text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
-    return text;
+    const StreamCounts c = counts();
+    return fmt::format("{} lines read, {} records: {} in passages, {} quiet, {} left out, {} "
+                       "wait\n",
+                       taken_, c.received, c.in_passages, c.quiet, c.left_out, c.waiting) +
+           gate_.accounts().report() + gate_.report();
 }
 
 } // namespace bris

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace bris {
 
@@ -172,6 +173,8 @@ const char* text_of(Verdict verdict) {
         return "changed";
     case Verdict::no_train:
         return "no train";
+    case Verdict::time_unknown:
+        return "time unknown";
     case Verdict::not_enough_data:
         break;
     }
@@ -198,6 +201,11 @@ PassageResult judge_passage(const Passage& passage, const std::vector<SensorBase
             sensor.reason = "no recording of this sensor";
             continue;
         }
+        if (std::ranges::find(passage.still, id) != passage.still.end()) {
+            sensor.verdict = Verdict::no_train;
+            sensor.reason = "hardly any vibration";
+            continue;
+        }
         judge(sensor, *recording, *baseline, refusal_of(result.findings, id), settings);
     }
     doubt_still_sensors(result);
@@ -207,7 +215,8 @@ PassageResult judge_passage(const Passage& passage, const std::vector<SensorBase
 namespace {
 
 constexpr int rank_of(Verdict v) {
-    return v == Verdict::changed           ? 3
+    return v == Verdict::changed           ? 4
+           : v == Verdict::time_unknown    ? 3
            : v == Verdict::not_enough_data ? 2
            : v == Verdict::as_baseline     ? 1
                                            : 0;
@@ -219,6 +228,46 @@ bool is_more_serious(const SensorResult& a, const SensorResult& b) {
 }
 
 } // namespace
+
+Verdict verdict_on(const PassageResult& passage) {
+    Verdict worst = passage.sensors.empty() ? Verdict::not_enough_data : Verdict::no_train;
+    for (const SensorResult& s : passage.sensors)
+        if (rank_of(s.verdict) > rank_of(worst)) worst = s.verdict;
+    return worst;
+}
+
+void PassageTally::add(Verdict verdict, int count) {
+    std::size_t& n = verdict == Verdict::as_baseline    ? as_baseline
+                     : verdict == Verdict::changed      ? changed
+                     : verdict == Verdict::no_train     ? no_train
+                     : verdict == Verdict::time_unknown ? time_unknown
+                                                        : not_enough_data;
+    n = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(n) + count);
+}
+
+std::size_t PassageTally::all() const {
+    return as_baseline + changed + no_train + not_enough_data + time_unknown;
+}
+
+std::string PassageTally::not_judged() const {
+    std::string reasons;
+    for (const auto& [count, verdict] : {std::pair{no_train, Verdict::no_train},
+                                         {not_enough_data, Verdict::not_enough_data},
+                                         {time_unknown, Verdict::time_unknown}})
+        if (count > 0)
+            reasons += fmt::format(
+                "{}{}{}", reasons.empty() ? "" : ", ", text_of(verdict),
+                all() - as_baseline - changed == count ? "" : fmt::format(" {}", count));
+    if (reasons.empty()) return {};
+    return fmt::format("{} not judged: {}", all() - as_baseline - changed, reasons);
+}
+
+std::string PassageTally::sentence() const {
+    std::string text = fmt::format("as the baseline in {} of {} passages", as_baseline, all());
+    if (changed > 0) text += fmt::format(", changed in {}", changed);
+    const std::string others = not_judged();
+    return others.empty() ? text : text + "; " + others;
+}
 
 MostSerious most_serious_result(const std::vector<PassageResult>& passages,
                                 std::optional<unsigned> sensor) {

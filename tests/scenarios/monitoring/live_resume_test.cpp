@@ -1,8 +1,8 @@
 // A test that comes over a broker: interrupted, resumed, and told as one story by its history.
 #include "engine/io/broker_history.hpp"
 #include "engine/io/whole_file.hpp"
-#include "scenarios/stream/recording_replay.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
+#include "scenarios/stream/recording_replay.hpp"
 #include "tests/scenarios/faults/process.hpp"
 #include "tests/scenarios/monitoring/test_broker.hpp"
 

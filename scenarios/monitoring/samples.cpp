@@ -1,0 +1,159 @@
+#include "scenarios/monitoring/samples.hpp"
+
+#include "scenarios/recordings/device_channels.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace bris {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array names{"t",  "count", "ax", "ay", "az", "gx", "gy",    "gz",   "mx",
+                           "my", "mz",    "qw", "qx", "qy", "qz", "flags", "temp", "batt"};
+
+} // namespace
+
+double Samples::number(std::size_t row, std::size_t name) const {
+    return column_[name] < 0 ? nan
+                             : numbers_[row * stride_ + static_cast<std::size_t>(column_[name])];
+}
+
+/// Makes room for more columns in all rows.
+void Samples::widen(std::uint32_t wanted) {
+    const auto before = column_;
+    const std::size_t old_stride = stride_;
+    has_ |= wanted;
+    stride_ = 0;
+    for (std::size_t c = 0; c < columns; ++c)
+        column_[c] = (has_ >> c & 1) != 0 ? static_cast<std::int8_t>(stride_++) : std::int8_t{-1};
+    std::vector<double> wider(size() * stride_, nan);
+    for (std::size_t row = 0; row < size(); ++row)
+        for (std::size_t c = 0; c < columns; ++c)
+            if (old_stride > 0 && before[c] >= 0)
+                wider[row * stride_ + static_cast<std::size_t>(column_[c])] =
+                    numbers_[row * old_stride + static_cast<std::size_t>(before[c])];
+    numbers_ = std::move(wider);
+}
+
+void Samples::add(const GatedRecord& record) {
+    std::uint32_t sent = 1;
+    if (record.count >= 0) sent |= 2;
+    for (std::size_t c = 2; c < columns; ++c)
+        if (record.record.has(names[c])) sent |= std::uint32_t{1} << c;
+    const auto whole = [&](std::size_t first, std::size_t count) { // vectors have all parts
+        const std::uint32_t bits = ((std::uint32_t{1} << count) - 1) << first;
+        if ((sent & bits) != 0) sent |= bits;
+    };
+    whole(force, 3), whole(rate, 3), whole(field, 3), whole(attitude, 4);
+    if (stride_ == 0 || (sent & ~has_) != 0) widen(sent);
+    is_sorted_ = is_sorted_ && (empty() || record.t > time(size() - 1));
+    const std::size_t begin = numbers_.size();
+    numbers_.resize(begin + stride_, nan);
+    numbers_[begin] = record.t;
+    if (record.count >= 0)
+        numbers_[begin + static_cast<std::size_t>(column_[1])] = static_cast<double>(record.count);
+    for (std::size_t c = 2; c < columns; ++c)
+        if (column_[c] >= 0)
+            numbers_[begin + static_cast<std::size_t>(column_[c])] = record.record.number(names[c]);
+    states_.push_back(State::unknown);
+}
+
+std::size_t Samples::sort() {
+    if (is_sorted_) return 0;
+    std::vector<std::size_t> order(size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t row) { return time(row); });
+    std::vector<double> numbers;
+    std::vector<State> states;
+    numbers.reserve(numbers_.size());
+    states.reserve(size());
+    std::size_t twice = 0;
+    for (const std::size_t row : order) {
+        if (!states.empty() && numbers[(states.size() - 1) * stride_] == time(row)) {
+            ++twice;
+            continue;
+        }
+        const auto from = numbers_.begin() + static_cast<std::ptrdiff_t>(row * stride_);
+        numbers.insert(numbers.end(), from, from + static_cast<std::ptrdiff_t>(stride_));
+        states.push_back(states_[row]);
+    }
+    numbers_ = std::move(numbers);
+    states_ = std::move(states);
+    is_sorted_ = true;
+    return twice;
+}
+
+Samples Samples::extract(std::size_t begin, std::size_t end) {
+    const auto row = [&](std::size_t k) {
+        return numbers_.begin() + static_cast<std::ptrdiff_t>(k * stride_);
+    };
+    const auto state = [&](std::size_t k) {
+        return states_.begin() + static_cast<std::ptrdiff_t>(k);
+    };
+    Samples part;
+    part.has_ = has_;
+    part.column_ = column_;
+    part.stride_ = stride_;
+    part.numbers_.assign(row(begin), row(end));
+    part.states_.assign(state(begin), state(end));
+    numbers_.erase(row(begin), row(end));
+    states_.erase(state(begin), state(end));
+    return part;
+}
+
+void Samples::merge(const Samples& other) {
+    if (other.empty()) return;
+    if (stride_ == 0 || (other.has_ & ~has_) != 0) widen(other.has_);
+    for (std::size_t k = 0; k < other.size(); ++k) {
+        for (std::size_t c = 0; c < columns; ++c)
+            if (column_[c] >= 0) numbers_.push_back(other.number(k, c));
+        states_.push_back(other.state(k));
+    }
+    is_sorted_ = false;
+}
+
+std::size_t Samples::row_at(double t) const {
+    std::size_t low = 0, high = size();
+    while (low < high) {
+        const std::size_t middle = (low + high) / 2;
+        if (time(middle) < t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+Recording Samples::recording(const SensorInfo& info) const {
+    Recording r;
+    r.info = info;
+    const auto has = [&](std::size_t name) { return column_[name] >= 0; };
+    bool counted = has(1);
+    for (std::size_t k = 0; k < size(); ++k) counted = counted && number(k, 1) >= 0;
+    for (std::size_t k = 0; k < size(); ++k) {
+        r.time.push_back(time(k));
+        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(number(k, 1)));
+        if (has(force)) r.force.push_back(force_at(k, info));
+        if (has(rate)) r.rate.push_back(rate_at(k, info));
+        if (has(field)) r.field.push_back(info.field_of(vector(k, field)));
+        if (has(attitude))
+            r.attitude.emplace_back(number(k, attitude), number(k, attitude + 1),
+                                    number(k, attitude + 2), number(k, attitude + 3));
+        if (has(flags)) {
+            const double bits = number(k, flags);
+            r.flags.push_back(std::isnan(bits) ? 0
+                              : is_count(bits) ? static_cast<std::uint64_t>(bits)
+                                               : 1);
+        }
+        for (std::size_t d = 0; d < device_channels().size(); ++d)
+            if (const DeviceChannel& channel = device_channels()[d]; has(device + d))
+                (r.*channel.values).push_back(channel.value_of_file(info, number(k, device + d)));
+    }
+    reject_flagged(r);
+    return r;
+}
+
+} // namespace bris
