@@ -149,9 +149,13 @@ void Clock::enter(Segment& s, const Reading& r) {
     }
     if (std::isfinite(r.arrival)) set_envelope(s, t, r.arrival - t);
     if (std::isfinite(r.others)) {
-        if (s.most_to_others < s.least_to_others) s.first_with_others = t;
-        s.least_to_others = std::min(s.least_to_others, r.others - t);
-        s.most_to_others = std::max(s.most_to_others, r.others - t);
+        const double lead = r.others - t;
+        const double least = std::min(s.least_to_others, lead),
+                     most = std::max(s.most_to_others, lead);
+        const bool goes_on = most - least <= scatter; // or one of the two has jumped
+        if (!goes_on || s.most_to_others < s.least_to_others) s.first_with_others = t;
+        s.least_to_others = goes_on ? least : lead;
+        s.most_to_others = goes_on ? most : lead;
     }
     s.last = std::max(s.last, t);
     for (Chain& chain : chains_) ++chain.kept_meanwhile;

@@ -18,7 +18,7 @@ namespace {
 constexpr double latest_time = 1e11;                   // s, that is still counted in milliseconds
 constexpr double first_epoch = 1e9, last_epoch = 1e10; // s since 1970: a clock that knows the date
 constexpr double together = 3600;                      // s between recordings of one test at most
-constexpr double steady = 2, steady_for = 10; // s, of times that go with those of the others
+constexpr double steady_for = 10; // s, of times that go with those of the others
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Of the numbers of a record, which tells copies from others.
@@ -149,8 +149,8 @@ bool Gate::goes_by_arrival() const {
     return false;
 }
 
-/// Time that the other sources have reached, by their own clocks, if most of all sources have
-/// clocks that never jumped; NaN: that is not so.
+/// Time that the other sources have reached, if most of all sources are there together; NaN: they
+/// are not.
 double Gate::time_of_others(unsigned id) const {
     std::vector<double> times;
     std::size_t heard = 1;
@@ -158,8 +158,11 @@ double Gate::time_of_others(unsigned id) const {
         const Clock::Segment* s = source.clock.current();
         if (other == id || s == nullptr) continue;
         ++heard;
-        if (s->number == 0) times.push_back(s->last - source.info.clock_offset);
+        if (!s->went_back) times.push_back(s->last - source.info.clock_offset);
     }
+    if (times.empty()) return nan;
+    const double middle = median(times);
+    std::erase_if(times, [&](double t) { return std::abs(t - middle) > together; });
     return 2 * times.size() > heard ? median(std::move(times)) : nan;
 }
 
@@ -193,8 +196,7 @@ Gate::Offset Gate::offset(unsigned id, std::size_t number, double t) const {
     }
     if (!s->went_back && agrees_with_most(source, *s))
         return {TimeBasis::own, -source.info.clock_offset};
-    const double spread = s->most_to_others - s->least_to_others;
-    if (spread >= 0 && spread <= steady && s->last - s->first_with_others >= steady_for)
+    if (s->most_to_others >= s->least_to_others && s->last - s->first_with_others >= steady_for)
         return {TimeBasis::others, 0.5 * (s->most_to_others + s->least_to_others)};
     return {};
 }
