@@ -18,6 +18,9 @@ namespace bris {
 
 namespace {
 
+// of the machine's strain while time goes on
+constexpr double largest_step_back = 5e-4;
+constexpr std::ptrdiff_t most_wrong_times = 2;
 constexpr double same_strain = 1e-9;    // tolerance of comparisons of axial strain
 constexpr std::size_t most_kinds = 40;  // of faults that are listed apart
 constexpr std::size_t fewest_times = 3; // number of differences from which a clock is judged
@@ -236,7 +239,7 @@ void LiveTest::accept(const StreamRecord& record) {
             fmt::format("line {}: the machine sent axial_strain = {} before; the first record is "
                         "used",
                         record.line, strain));
-    if (std::isfinite(record.number("t"))) clock_.by_time.emplace(record.number("t"), strain);
+    if (std::isfinite(record.number("t"))) enter_time(record, strain);
     const double phase = record.number("phase");
     if (!std::isfinite(phase)) return;
     const auto last = clock_.by_phase.rbegin();
@@ -246,6 +249,23 @@ void LiveTest::accept(const StreamRecord& record) {
         note("phase", fmt::format("line {}: the machine's phase: expected increasing numbers, "
                                   "found {:.4g} after {:.4g}",
                                   record.line, phase, last->first));
+}
+
+/// Enters the time at which the machine had a strain. Strain and time increase together: a record
+/// that contradicts many others has a wrong time, one or two that contradict it have had one.
+void LiveTest::enter_time(const StreamRecord& record, double strain) {
+    const double t = record.number("t");
+    auto& times = clock_.by_time;
+    const auto later = times.upper_bound(t);
+    auto first = later, last = later;
+    while (first != times.begin() && std::prev(first)->second > strain + largest_step_back) --first;
+    while (last != times.end() && last->second < strain - largest_step_back) ++last;
+    if (std::distance(first, last) > most_wrong_times)
+        return note("machine's t", fmt::format("line {}: the machine: t: expected a time after "
+                                               "those of smaller strains, found {}",
+                                               record.line, t));
+    times.erase(first, last);
+    times.emplace(t, strain);
 }
 
 LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {

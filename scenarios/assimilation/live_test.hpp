@@ -79,6 +79,7 @@ private:
     void take_of_sensor(const StreamRecord& record);
     void take_of_machine(const StreamRecord& record);
     void accept(const StreamRecord& record);
+    void enter_time(const StreamRecord& record, double strain);
     void wait_for_its_time(StreamRecord& record);
     void end(const std::string& why);
     void note_far_off(const StreamRecord& record, const char* who, double strain);

@@ -524,6 +524,30 @@ TEST_SUITE("assimilation/live_test") {
         }
     }
 
+    TEST_CASE("one wrong time of the machine changes nothing, whether it is early or late") {
+        for (const double wrong : {0.0, 1e9, -5e8}) {
+            CAPTURE(wrong);
+            std::vector<std::string> lines;
+            for (const std::string& line : recorded().lines)
+                lines.push_back(changed(without_strain(line), "t", [&](double t, long stage) {
+                    return stage == 20 ? wrong : t;
+                }));
+            const Followed f;
+            const auto test = f.follow(lines);
+            (void)test->follow_to(1);
+            const auto found = test->so_far();
+            CHECK(found.refused() == 0);
+            const RecordedTest expected = recorded().read();
+            for (std::size_t s = 0; s < 3; ++s) {
+                REQUIRE(found.trajectories[s].strain.size() + 1 ==
+                        expected.trajectories[s].strain.size());
+                for (std::size_t k = 0; k < found.trajectories[s].strain.size(); ++k)
+                    CHECK(found.trajectories[s].strain[k] ==
+                          about(expected.trajectories[s].strain[k]).epsilon(1e-3));
+            }
+        }
+    }
+
     TEST_CASE("fields that nobody uses change nothing, and the report names them once") {
         std::vector<std::string> lines;
         for (const std::string& line : recorded().lines)
