@@ -46,4 +46,9 @@ std::string printable(std::string_view text) {
     return shown;
 }
 
+std::string beginning_of(std::string_view text) {
+    constexpr std::size_t most = 40;
+    return std::string(text.substr(0, most)) + (text.size() > most ? "..." : "");
+}
+
 } // namespace bris

@@ -10,4 +10,7 @@ namespace bris {
 /// a file could otherwise move the cursor, change colours, or hide parts of a message.
 std::string printable(std::string_view text);
 
+/// The first 40 bytes of a text, with "..." if there are more.
+std::string beginning_of(std::string_view text);
+
 } // namespace bris

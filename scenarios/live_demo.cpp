@@ -4,13 +4,13 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/broker_client.hpp"
-#include "engine/io/broker_history.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/stream/local_broker.hpp"
-#include "scenarios/stream/recording_replay.hpp"
+#include "scenarios/stream/log_replay.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
+#include "scenarios/stream/recording_replay.hpp"
 
 #include <fmt/format.h>
 
@@ -35,8 +35,8 @@ struct Demo {
                "Folder with recordings.csv and test.csv of a test at 55 kPa; the folder above it "
                "has the metadata of the sensors.");
         option("history", history, "",
-               "Run file of live_triaxial or monitor: the page shows again what came over the "
-               "broker then, and no model runs.");
+               "Log (stream.ndjson) of live_triaxial or monitor: the page shows again what came "
+               "over the broker then, and no model runs.");
         option("speed", speed, "", "Speed of the replay relative to the times of the records.",
                within(0.01, 1e4));
         option("final_axial_strain", final_strain, "", "Axial strain at which the model ends.",
@@ -99,8 +99,8 @@ std::vector<std::string> words_of_model(const Demo& d, const Common& common,
     return words;
 }
 
-/// How a message of a history is published again: sensors and pages retain what describes a state.
-BrokerLink::Delivery delivery_of(const KeptMessage& m) {
+/// How a message of a log is published again: sensors and pages retain what describes a state.
+BrokerLink::Delivery delivery_of(const LogEntry& m) {
     const bool of_state = m.topic.ends_with("/config") || m.topic.ends_with("/config/ack") ||
                           m.topic.ends_with("/status");
     return m.retained || of_state ? BrokerLink::Delivery::retained
@@ -109,21 +109,20 @@ BrokerLink::Delivery delivery_of(const KeptMessage& m) {
 
 /// Publishes all that a run received and published, in its order and at its times.
 void show_history(const Demo& d, const Common& common, BrokerClient& client) {
-    HistoryReader reader(d.history);
-    std::optional<double> first;
     std::size_t shown = 0;
     pause(d.start);
-    const Instant began = this_instant();
-    while (const auto m = reader.next()) {
-        if (m->topic == BrokerLink::own_topic) continue;
-        if (!first) first = m->time;
-        while (m->time - *first > d.speed * seconds_since(began) && !interrupted()) pause(0.005);
+    LogReplay replay(d.history, d.speed);
+    while (!replay.over()) {
+        const auto m = replay.next(1);
+        if (interrupted()) throw Interrupted("interrupted");
+        const bool is_message =
+            m && (m->kind == LogEntry::Kind::message || m->kind == LogEntry::Kind::published);
+        if (!is_message || m->topic == BrokerLink::own_topic) continue;
         const Instant due = this_instant();
         bool sent = false;
-        while (!(sent = client.publish(m->topic, m->payload, delivery_of(*m))) &&
+        while (!(sent = client.publish(m->topic, m->text, delivery_of(*m))) &&
                seconds_since(due) < 5)
             pause(0.005); // too many are on their way
-        if (interrupted()) throw Interrupted("interrupted");
         shown += static_cast<std::size_t>(sent);
     }
     client.flush(10);
@@ -134,13 +133,18 @@ void show_history(const Demo& d, const Common& common, BrokerClient& client) {
 }
 
 void run(const Demo& d, const Common& common) {
+    const bool is_replay = !d.history.empty();
+    require(!is_replay || records_of_log(d.history) == LoggedRecords::messages,
+            fmt::format("--history: expected the log (stream.ndjson) of a run over a broker, found "
+                        "'{}'",
+                        d.history.string()));
     LocalBroker broker(
         {common.out, assets_folder() / "live_page", d.host, static_cast<int>(d.port)});
     fmt::print("page: {}\n", broker.page());
     std::fflush(stdout);
     BrokerSettings settings;
     settings.address = broker.address();
-    if (!d.history.empty()) {
+    if (is_replay) {
         BrokerClient client(settings, "history", {});
         return show_history(d, common, client);
     }

@@ -17,11 +17,11 @@
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
-#include "scenarios/stream/run_broker.hpp"
 #include "scenarios/monitoring/test_publisher.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
-#include "scenarios/stream/recorded_stream.hpp"
 #include "scenarios/specimens/write_option.hpp"
+#include "scenarios/stream/recorded_stream.hpp"
+#include "scenarios/stream/run_broker.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -58,8 +58,8 @@ struct Live {
         option("stream", stream, "",
                "Source of the records, one JSON object or CSV line each: - (standard input), a "
                "growing file, a pipe, or a folder with recordings.csv and test.csv to replay; or "
-               "the run file of a test over a broker. Default: the broker, or else the example at "
-               "55 kPa.");
+               "stream.ndjson, the log of an earlier run. Default: the broker, or else the example "
+               "at 55 kPa.");
         option("recordings", recordings, "",
                "Folder with a file rock_NN.txt for each sensor, which describes the sensor rock "
                "before the test.");
@@ -114,36 +114,12 @@ struct Live {
     }
 };
 
-constexpr auto log_name = "stream.ndjson";
-
-/// Prepares the log in the folder of the results and returns the path from which lines are read.
+/// The path from which lines are read; a folder is written as lines first.
 std::filesystem::path prepare_stream(const Live& s, const Common& common) {
-    const bool is_replay = std::filesystem::is_directory(s.stream);
+    if (!std::filesystem::is_directory(s.stream)) return s.stream;
     std::string text;
-    if (is_replay)
-        for (const std::string& line :
-             stream_of(s.stream, s.stage_time, s.live.quality_control.rest))
-            text += line + "\n";
-    const auto log = common.out / log_name;
-    std::error_code error;
-    require(!std::filesystem::equivalent(s.stream, log, error),
-            fmt::format("--stream, --out: expected two files, found '{}' as the stream and as the "
-                        "log of it",
-                        log.string()));
-    const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
-    if (!goes_on && std::filesystem::exists(log)) { // it may be the only copy of a test
-        auto kept = log.string() + ".before";
-        for (int k = 2; std::filesystem::exists(kept); ++k)
-            kept = fmt::format("{}.before.{}", log.string(), k);
-        std::filesystem::rename(log, kept);
-    }
-    if (goes_on && !std::filesystem::equivalent(common.resume, common.out) &&
-        std::filesystem::exists(common.resume / log_name)) {
-        require_regular_file(common.resume / log_name);
-        std::filesystem::copy_file(common.resume / log_name, log,
-                                   std::filesystem::copy_options::overwrite_existing);
-    }
-    if (!is_replay) return s.stream;
+    for (const std::string& line : stream_of(s.stream, s.stage_time, s.live.quality_control.rest))
+        text += line + "\n";
     write_whole(common.out / "replay.ndjson", text);
     return common.out / "replay.ndjson";
 }
@@ -163,6 +139,11 @@ public:
         }
         if (!s_.stream.empty() && s_.stream != "-" && !std::filesystem::exists(s_.stream))
             throw OutputError(fmt::format("--stream: cannot read '{}'", s_.stream.string()));
+        log_ = begin_log(s_.broker,
+                         broker_ && broker_->gives_records() ? LoggedRecords::messages
+                                                             : LoggedRecords::lines,
+                         s_.stream, common);
+        if (broker_ && log_) broker_->keep_in(log_);
         source_ = prepare_stream(s_, common);
     }
     void run();
@@ -170,6 +151,7 @@ public:
 
 private:
     void prepare();
+    std::unique_ptr<Lines> lines();
     void follow();
     void record_stage(const RecordedTest& so_far, double latest);
     void predict(const RecordedTest& so_far);
@@ -184,7 +166,8 @@ private:
     std::filesystem::path source_;
     Progress progress_;
     std::optional<FrameWriter> frames_;
-    std::optional<RunBroker> broker_; // none: no broker. It writes into the file of the frames
+    std::shared_ptr<StreamLog> log_;  // null: none is kept
+    std::optional<RunBroker> broker_; // none: no broker
     std::optional<TestPublisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // of test_
     std::optional<LivePrediction> prediction_;
@@ -290,14 +273,11 @@ void LiveRun::prepare() {
     first_frame_ = frame_of_bodies(at_start_->world());
     first_frame_.corners.clear(); // the analysis has no shape of the membrane
     constexpr auto run_file = "live_triaxial.vtkhdf";
-    const auto earlier = broker_ ? put_aside_run_file(common_, run_file) : "";
     frames_.emplace(common_.out / run_file,
                     common_.settings, // a resumed run reads its log first and rewrites this file
                     s_.written.extras());
     frames_->file().add_track("stages", columns);
-    if (broker_) broker_->keep_in(frames_->file().file(), earlier);
     frames_->file().flush(); // the file is readable from now on
-    if (!earlier.empty()) std::filesystem::remove(earlier);
     model_.emplace(LiveModelSettings{s_.model, s_.learning, test_settings_.stage_strain,
                                      test_settings_.final_axial_strain, s_.catch_up},
                    [this](const std::vector<ModelVariant>& variants) {
@@ -309,19 +289,24 @@ void LiveRun::prepare() {
     publisher_->publish_scene(at_start_->world(), first_frame_, model_->state());
 }
 
+/// The records of the test, logged.
+std::unique_ptr<Lines> LiveRun::lines() {
+    if (broker_ && broker_->gives_records()) {
+        auto lines = broker_->lines(infos_);
+        from_broker_ = lines.get();
+        return lines;
+    }
+    if (!log_) return open_lines(source_);
+    return std::make_unique<LoggedLines>(open_lines(source_), log_);
+}
+
 void LiveRun::run() {
     prepare();
     LiveSettings live = s_.live;
     live.pressure = test_settings_.confining_pressure;
     live.quality_control.interval =
         std::max(live.quality_control.interval, test_settings_.stage_strain);
-    if (broker_ && broker_->gives_records()) {
-        auto lines = broker_->lines(infos_);
-        from_broker_ = lines.get();
-        test_.emplace(std::move(lines), common_.out / log_name, infos_, live);
-    } else {
-        test_.emplace(source_, common_.out / log_name, infos_, live);
-    }
+    test_.emplace(lines(), infos_, live);
     progress_.pause();
     if (!common_.quiet)
         fmt::print("ready, reading records from {}\n",
@@ -393,7 +378,7 @@ void LiveRun::report() {
     constexpr double drift = 1e-3, turn = 0.1; // m and rad, model errors at the end of the test
     const std::string found = fmt::format(
         "{}{}{}\n{}", from_broker_ != nullptr ? from_broker_->report() : "",
-        broker_ ? broker_->report() : "", test_->report(),
+        report_on_log(log_.get(), s_.broker), test_->report(),
         observability_report(measured, test_settings_.final_axial_strain / 1e-4 * s_.stage_time,
                              drift, turn));
     write_whole(common_.out / "quality_control.txt", found);

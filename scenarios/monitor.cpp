@@ -47,7 +47,7 @@ struct Monitor {
                "synthetic recordings.");
         option("stream", stream, "",
                "Source of records instead of --recordings: - (standard input), a pipe or a growing "
-               "file; or monitor.h5, the history of a run over a broker. Sensors are those of the "
+               "file; or stream.ndjson, the log of an earlier run. Sensors are those of the "
                "metadata of --baseline.");
         option("columns", columns, "", "Column map of CSV files of other programs.");
         option("quiet_time", of_stream.quiet, "s",
@@ -65,8 +65,8 @@ struct Monitor {
         option.group("Broker");
         broker.describe(option);
         option("speed", speed, "",
-               "Speed at which a history is given again, relative to the times of arrival. 0: as "
-               "fast as possible.",
+               "Speed at which a log of a broker is given again, relative to the times of arrival. "
+               "0: as fast as possible.",
                within(0, 1e6));
         option.group("Synthetic recordings");
         option("write_example", example, "",
@@ -185,12 +185,11 @@ public:
     }
 
 private:
-    /// Connects, and keeps what passes in monitor.h5, the run file.
     void connect() {
         const auto& source = m_.recordings.empty() ? m_.stream : m_.recordings;
         broker_.emplace(m_.broker, source, m_.speed, common_);
-        run_file_.emplace(Hdf5File::create(common_.out / "monitor.h5"));
-        broker_->keep_in(*run_file_);
+        stream_log_ = begin_log(m_.broker, LoggedRecords::messages, source, common_);
+        if (stream_log_) broker_->keep_in(stream_log_);
         publisher_.emplace(broker_->link());
     }
 
@@ -208,7 +207,7 @@ private:
     }
 
     std::unique_ptr<Lines> lines_of(const std::vector<SensorInfo>& infos) {
-        if (!broker_ || !broker_->gives_records()) return std::make_unique<LineSource>(m_.stream);
+        if (!broker_ || !broker_->gives_records()) return open_lines(m_.stream);
         auto lines = broker_->lines(infos);
         from_broker_ = lines.get();
         return lines;
@@ -275,7 +274,7 @@ private:
 
     std::string report_of(const PassageStream& stream) const {
         return stream.report() + (from_broker_ != nullptr ? from_broker_->report() : "") +
-               (broker_ ? broker_->report() : "");
+               report_on_log(stream_log_.get(), m_.broker);
     }
 
     MonitorReport report() const {
@@ -285,7 +284,6 @@ private:
 
     void finish() {
         if (broker_) broker_->finish();
-        if (run_file_) run_file_->close();
         write_page(common_.out, report());
         draw_pictures(common_.out, report());
         Summary summary;
@@ -307,8 +305,8 @@ private:
     std::optional<StreamCounts> records_; // of a stream
     std::vector<SensorBaseline> baselines_;
     std::optional<PassageLog> log_;
-    std::optional<Hdf5File> run_file_;
-    std::optional<RunBroker> broker_; // none: no broker. It writes into the run file
+    std::shared_ptr<StreamLog> stream_log_; // null: none is kept
+    std::optional<RunBroker> broker_;       // none: no broker
     std::optional<StatePublisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // while a stream is followed
     double recorded_ = 0, began_ = 0;          // s; of a stream without the time for the baseline

@@ -125,7 +125,7 @@ bool may_include_library(const std::string& file, const std::string& target) {
         {{"nanoflann"}, {"scenarios/rocks/nearest_point.cpp"}},
         {{"openvdb/"}, {"systems/fields/*.cpp", "scenarios/rocks/fill_clump.cpp"}},
         {{"nlohmann/"},
-         {"engine/summary.cpp", "engine/io/json_numbers.cpp",
+         {"engine/summary.cpp", "engine/io/json_members.cpp",
           "scenarios/monitoring/state_publisher.cpp", "scenarios/stream/recording_replay.cpp"}},
         {{"mosquitto", "mqtt_protocol"}, {"engine/io/broker_client.cpp"}},
         {{"boost/"},

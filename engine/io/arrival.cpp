@@ -14,9 +14,11 @@ double seconds_of(clockid_t clock) {
 
 } // namespace
 
-double arrival_now() {
+double arrival_anchor() {
     static const double anchor = seconds_of(CLOCK_REALTIME) - seconds_of(CLOCK_BOOTTIME);
-    return anchor + seconds_of(CLOCK_BOOTTIME);
+    return anchor;
 }
+
+double arrival_now() { return arrival_anchor() + seconds_of(CLOCK_BOOTTIME); }
 
 } // namespace bris

@@ -4,9 +4,9 @@
 #include "engine/interrupt.hpp"
 #include "engine/io/arrival.hpp"
 #include "engine/io/csv.hpp"
-#include "engine/io/json_numbers.hpp"
 #include "engine/io/message_queue.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/printable.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/io/arrival.hpp"
 #include "engine/stopwatch.hpp"
 
 #include <cstdint>
@@ -11,8 +12,8 @@ namespace bris {
 struct BrokerMessage {
     std::string topic, payload;
     bool retained = false; ///< kept by the broker from before the subscription
-    Instant arrived = {};
-    double time = 0; ///< s since 1970 UTC, of the arrival (arrival_now)
+    Instant arrived = {};  ///< {}: in an earlier session of a run that was resumed
+    double time = 0;       ///< s since 1970 UTC, of the arrival (arrival_now)
 };
 
 /// What a client counts.
@@ -27,8 +28,8 @@ struct BrokerCounters {
     std::uint64_t lost_sessions = 0; ///< breaks after which the broker had kept nothing
 };
 
-/// Messages from and to a broker: a connection (BrokerClient), one whose messages are kept
-/// (RecordedLink), or one that gives again what was kept (ReplayedLink). Used by one thread.
+/// Messages from and to a broker: a connection (BrokerClient), one whose messages are
+/// logged (LoggedLink), or one that gives again what was logged (ReplayedLink). Used by one thread.
 class BrokerLink {
 public:
     enum class Delivery {
@@ -47,6 +48,9 @@ public:
     virtual std::optional<BrokerMessage> next(double timeout) = 0;
     /// Whether no message can come any more.
     virtual bool over() const { return false; }
+    /// Time (s since 1970 UTC) by which all that arrived was given; it goes on while nothing
+    /// arrives.
+    virtual double now() const { return arrival_now(); }
     /// Publishes; never waits. Returns false if the message is not sent.
     virtual bool publish(const std::string& topic, const std::string& payload,
                          Delivery delivery) = 0;

@@ -125,6 +125,8 @@ std::optional<LineSource::Line> LineSource::next(double timeout) {
     return line;
 }
 
+double LineSource::now() const { return reader_->is_file ? no_arrival : arrival_now(); }
+
 bool LineSource::over() const {
     const std::lock_guard lock(reader_->mutex);
     return reader_->ended && reader_->queue.empty();

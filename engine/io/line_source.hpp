@@ -17,7 +17,7 @@ public:
     struct Line {
         std::uint64_t number; ///< counted from 1
         std::string text;     ///< without the end of line
-        Instant arrived;
+        Instant arrived;      ///< {}: in an earlier session of a run that was resumed
         /// False: cut off by the end of the input, or longer than `longest`.
         bool whole = true;
         double arrival = no_arrival; ///< s since 1970 UTC (arrival_now); NaN: of a file
@@ -28,6 +28,9 @@ public:
     virtual std::optional<Line> next(double timeout) = 0;
     /// Whether the input has ended and all lines were taken.
     virtual bool over() const = 0;
+    /// Time (s since 1970 UTC) by which all that arrived was given; it goes on while nothing
+    /// arrives. NaN: nothing arrives here, but is read from a file.
+    virtual double now() const = 0;
 };
 
 /// Lines as they arrive from the standard input ("-"), a pipe or a growing file. A separate thread
@@ -46,6 +49,7 @@ public:
     std::optional<Line> next(double timeout) override;
     /// A growing file never ends.
     bool over() const override;
+    double now() const override;
 
 private:
     struct Reader;

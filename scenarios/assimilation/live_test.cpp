@@ -2,8 +2,6 @@
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
-#include "engine/io/whole_file.hpp"
-#include "engine/message.hpp"
 #include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
 #include "scenarios/recordings/device_channels.hpp"
@@ -13,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -21,14 +18,9 @@ namespace bris {
 
 namespace {
 
-// the last line of a log after a timeout: a run that resumes from the log listens again
-constexpr auto silence_mark = "{\"end\": 1, \"by_silence\": 1}\n";
-constexpr double largest_jump = 2e-3; // axial strain, from one record of the machine to the next
-// Number of successive records beyond that jump, near each other, after which they are accepted:
-// the records between are lost.
-constexpr std::size_t agreeing = 3;
-// prefix in the log of a line that lacks its end, so that it is read as such again
-constexpr std::string_view cut_off = "# cut off: ";
+// of the machine's strain while time goes on
+constexpr double largest_step_back = 5e-4;
+constexpr std::ptrdiff_t most_wrong_times = 2;
 constexpr double same_strain = 1e-9;    // tolerance of comparisons of axial strain
 constexpr std::size_t most_kinds = 40;  // of faults that are listed apart
 constexpr std::size_t fewest_times = 3; // number of differences from which a clock is judged
@@ -65,50 +57,13 @@ constexpr std::uint64_t bits_of(std::size_t first, std::size_t count) {
     return ((std::uint64_t{1} << count) - 1) << first;
 }
 bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-
-std::string logged(const LineSource::Line& line) {
-    return fmt::format("{}{}\n", line.whole ? "" : cut_off, line.text);
-}
-
 } // namespace
 
-LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path log,
-                   std::vector<SensorInfo> infos, const LiveSettings& settings)
-    : LiveTest(std::make_unique<LineSource>(stream), std::move(log), std::move(infos), settings) {}
-
-LiveTest::LiveTest(std::unique_ptr<Lines> lines, std::filesystem::path log,
-                   std::vector<SensorInfo> infos, const LiveSettings& settings)
+LiveTest::LiveTest(std::unique_ptr<Lines> lines, std::vector<SensorInfo> infos,
+                   const LiveSettings& settings)
     : lines_(std::move(lines)), infos_(std::move(infos)), settings_(settings) {
     require(!infos_.empty(), "stream: expected at least one SmartRock, found none");
     for (const SensorInfo& info : infos_) sensors_[info.id].clock_offset = info.clock_offset;
-    std::string kept = std::filesystem::exists(log) ? read_whole(log) : "";
-    // a last line that was being written is dropped: it is sent again, or lost like others
-    kept.resize(kept.find_last_of('\n') == std::string::npos ? 0 : kept.find_last_of('\n') + 1);
-    if (kept.ends_with(silence_mark))
-        kept.resize(kept.size() - std::string_view(silence_mark).size());
-    write_whole(log, kept);
-    std::istringstream before(kept);
-    for (std::string line; std::getline(before, line);) logged_.push_back(line);
-    log_ = std::fopen(log.c_str(), "a");
-    if (log_ == nullptr) throw OutputError(fmt::format("cannot write '{}'", log.string()));
-}
-
-// Lines that arrived but are not processed yet would be lost, so they are logged.
-LiveTest::~LiveTest() {
-    std::string remaining;
-    try {
-        while (!over_) {
-            const auto line = lines_->next(0);
-            if (!line) break;
-            remaining += logged(*line);
-        }
-    } catch (const OutputError& e) { // they were to be kept elsewhere too
-        say(e.what());
-    }
-    const bool written =
-        std::fwrite(remaining.data(), 1, remaining.size(), log_) == remaining.size();
-    if (std::fclose(log_) != 0 || !written)
-        say("cannot write the log of the stream: is the disk full?");
 }
 
 void LiveTest::note(const std::string& kind, const std::string& text) {
@@ -118,28 +73,9 @@ void LiveTest::note(const std::string& kind, const std::string& text) {
     if (count++ == 0) first = printable(text);
 }
 
-void LiveTest::write_to_log(std::string_view text) {
-    const bool written = std::fwrite(text.data(), 1, text.size(), log_) == text.size();
-    if (std::fflush(log_) != 0 || !written)
-        throw OutputError("cannot write the log of the stream: is the disk full?");
-}
-
-void LiveTest::end(const std::string& why, bool by_sender) {
+void LiveTest::end(const std::string& why) {
     over_ = true;
     note("end", why);
-    if (by_sender) return; // the sender's own line is in the log
-    write_to_log(silence_mark);
-}
-
-std::optional<LineSource::Line> LiveTest::next_of_log() {
-    if (logged_.empty()) return {};
-    LineSource::Line line{taken_ + 1, std::move(logged_.front()), this_instant(), true};
-    logged_.pop_front();
-    if (line.text.starts_with(cut_off)) {
-        line.text.erase(0, cut_off.size());
-        line.whole = false;
-    }
-    return line;
 }
 
 bool LiveTest::follow_to(double strain) {
@@ -149,30 +85,25 @@ bool LiveTest::follow_to(double strain) {
         if (interrupted())
             throw Interrupted("interrupted; all lines so far are logged: continue with --resume "
                               "and the folder of the results");
-        if (const auto before = next_of_log()) {
-            take_line(*before, true);
-            continue;
-        }
-        const auto line =
-            lines_->next(std::max(0.0, settings_.timeout - seconds_since(waiting_since_)));
-        if (line)
-            take_line(*line, false);
+        const double left = settings_.timeout - seconds_since(waiting_since_);
+        if (auto line = lines_->next(std::max(0.0, left)))
+            take_line(std::move(*line));
         else if (interrupted())
             continue;
         else if (lines_->over())
-            end(fmt::format("the stream ended after {} lines", taken_), false);
-        else
+            end(fmt::format("the stream ended after {} lines", taken_));
+        else if (seconds_since(waiting_since_) >= settings_.timeout)
             end(fmt::format("no {} arrived for {:g} s after {} lines",
                             machine_.empty() ? "line" : "record of the test machine",
-                            settings_.timeout, taken_),
-                false);
+                            settings_.timeout, taken_));
     }
     followed_ = std::max(followed_, strain);
     return !machine_.empty() && machine_.rbegin()->first >= strain - same_strain;
 }
 
-void LiveTest::take_line(LineSource::Line line, bool from_log) {
-    line.number = ++taken_; // lines of a resumed stream count from 1 again
+void LiveTest::take_line(Lines::Line line) {
+    line.number = ++taken_;
+    const bool is_of_earlier_session = line.arrived == Instant{};
     // before the first record of the machine any line keeps the stream alive
     if (machine_.empty()) waiting_since_ = this_instant();
     std::optional<StreamRecord> record;
@@ -181,16 +112,16 @@ void LiveTest::take_line(LineSource::Line line, bool from_log) {
     } catch (const InputError& e) {
         note(fault_of(e.what()), e.what());
     }
-    if (record && !from_log) wait_for_its_time(*record);
-    // logged before it is used, so that everything used can be replayed
-    if (!from_log) write_to_log(logged(line));
     if (!record) return;
     if (record->has("end")) { // 0: the test goes on
         if (record->number("end") != 0)
-            end(fmt::format("the sender ended the test after {} lines", taken_), true);
+            end(fmt::format("the sender ended the test after {} lines", taken_));
         return;
     }
-    if (!from_log) arrivals_.push_back(record->arrived);
+    if (!is_of_earlier_session) {
+        wait_for_its_time(*record);
+        arrivals_.push_back(record->arrived);
+    }
     take(*record);
 }
 
@@ -237,7 +168,9 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     if (!std::isfinite(t))
         return note("no time", fmt::format("line {}: sensor {}: t: expected a number, found {}",
                                            record.line, id, t));
-    if (is_far_off(record, "a sensor", record.number("strain"))) return;
+    // one wrong strain would be taken for the end of the test
+    if (record.number("strain") > track_.reached() + MachineTrack::largest_jump)
+        return note_far_off(record, "a sensor", record.number("strain"));
     SensorRecords& sensor = found->second;
     const Sample sample = sample_of(record);
     const auto [entry, is_new] = sensor.by_time.emplace(t, sample);
@@ -273,16 +206,11 @@ void LiveTest::look_for_numbers(const StreamRecord& record) {
     }
 }
 
-/// Whether a strain is too far ahead of the machine's last: one wrong strain would be taken for the
-/// end of the test.
-bool LiveTest::is_far_off(const StreamRecord& record, const char* who, double strain) {
-    const double reached = machine_.empty() ? 0 : machine_.rbegin()->first;
-    if (!(strain > reached + largest_jump)) return false;
+void LiveTest::note_far_off(const StreamRecord& record, const char* who, double strain) {
     note(std::string("far off, ") + who,
          fmt::format(
              "line {}: {}: expected an axial strain near {:.4g}, found {:.4g}: is it in per cent?",
-             record.line, who, reached, strain));
-    return true;
+             record.line, who, track_.reached(), strain));
 }
 
 void LiveTest::take_of_machine(const StreamRecord& record) {
@@ -293,20 +221,13 @@ void LiveTest::take_of_machine(const StreamRecord& record) {
             fmt::format(
                 "line {}: axial_strain, deviatoric_stress_Pa: expected numbers, found {} and {}",
                 record.line, strain, record.number("deviatoric_stress_Pa")));
-    if (is_far_off(record, "the machine", strain)) {
-        if (!inconsistent_.empty() &&
-            !(std::abs(strain - inconsistent_.back().number("axial_strain")) <= largest_jump))
-            inconsistent_.clear();
-        inconsistent_.push_back(record);
-        if (inconsistent_.size() < agreeing) return;
+    const auto decision = track_.take(record);
+    if (decision.is_ahead) note_far_off(record, "the machine", strain);
+    if (decision.is_gap)
         note("gap", fmt::format("line {}: the machine continues at an axial strain of {:.4g}; the "
                                 "records in between are lost",
-                                record.line, inconsistent_.front().number("axial_strain")));
-        for (const StreamRecord& r : std::exchange(inconsistent_, {})) accept(r);
-        return;
-    }
-    inconsistent_.clear();
-    accept(record);
+                                record.line, decision.used.front().number("axial_strain")));
+    for (const StreamRecord& one : decision.used) accept(one);
 }
 
 void LiveTest::accept(const StreamRecord& record) {
@@ -318,7 +239,7 @@ void LiveTest::accept(const StreamRecord& record) {
             fmt::format("line {}: the machine sent axial_strain = {} before; the first record is "
                         "used",
                         record.line, strain));
-    if (std::isfinite(record.number("t"))) clock_.by_time.emplace(record.number("t"), strain);
+    if (std::isfinite(record.number("t"))) enter_time(record, strain);
     const double phase = record.number("phase");
     if (!std::isfinite(phase)) return;
     const auto last = clock_.by_phase.rbegin();
@@ -330,14 +251,31 @@ void LiveTest::accept(const StreamRecord& record) {
                                   record.line, phase, last->first));
 }
 
+/// Enters the time at which the machine had a strain. Strain and time increase together: a record
+/// that contradicts many others has a wrong time, one or two that contradict it have had one.
+void LiveTest::enter_time(const StreamRecord& record, double strain) {
+    const double t = record.number("t");
+    auto& times = clock_.by_time;
+    const auto later = times.upper_bound(t);
+    auto first = later, last = later;
+    while (first != times.begin() && std::prev(first)->second > strain + largest_step_back) --first;
+    while (last != times.end() && last->second < strain - largest_step_back) ++last;
+    if (std::distance(first, last) > most_wrong_times)
+        return note("machine's t", fmt::format("line {}: the machine: t: expected a time after "
+                                               "those of smaller strains, found {}",
+                                               record.line, t));
+    times.erase(first, last);
+    times.emplace(t, strain);
+}
+
 LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {
     Sample sample{{}, 0};
     for (std::size_t k = 0; k < sample_names().size(); ++k) {
-        const auto found = record.numbers.find(sample_names()[k]);
-        sample.numbers.push_back(found != record.numbers.end() ? found->second : std::nan(""));
+        const double number = record.number(sample_names()[k]);
+        sample.numbers.push_back(number);
         // without a valid number the strain comes from the machine
         const bool needs_number = k == in_sample::strain || k == in_sample::phase;
-        if (found != record.numbers.end() && (!needs_number || std::isfinite(found->second)))
+        if (record.has(sample_names()[k]) && (!needs_number || std::isfinite(number)))
             sample.sent |= bits_of(k, 1);
     }
     return sample;
@@ -516,7 +454,7 @@ std::string LiveTest::report() const {
                               fmt::format("{} records, {} late, {} sent again{}",
                                           sensor.by_time.size(), sensor.late, sensor.twice, until));
     }
-    return text + lines_by_sensor(received) + quality_control_report(so_far());
+    return text + parser_.ignored() + lines_by_sensor(received) + quality_control_report(so_far());
 }
 
 } // namespace bris

@@ -1,17 +1,14 @@
 #pragma once
 
 #include "engine/io/line_source.hpp"
-#include "scenarios/stream/record_stream.hpp"
+#include "scenarios/assimilation/machine_track.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/stream/record_stream.hpp"
 
 #include <cstdint>
-#include <cstdio>
-#include <deque>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace bris {
@@ -38,19 +35,14 @@ struct LiveSettings {
 /// that cannot be used are skipped, counted and reported; a sensor, or a channel of the machine, is
 /// left out while its records so far fail quality control. {"end": 1} ends the test.
 ///
-/// All lines are written to a log in the order in which they are processed: the same lines give the
-/// same test, bit for bit, and a resumed run first processes those of its log, one by one as
-/// before. Only the sender can end a test for good; after a timeout it can be resumed.
+/// The same lines give the same test, bit for bit: one that is logged (LoggedLines) can be
+/// replayed, and a resumed run first processes those of its log, one by one as before. Only the
+/// sender can end a test for good; after a timeout it can be resumed.
 class LiveTest {
 public:
-    /// Reads the lines of an existing log first. Throws OutputError, and InputError if there is no
-    /// sensor.
-    LiveTest(const std::filesystem::path& stream, std::filesystem::path log,
-             std::vector<SensorInfo> infos, const LiveSettings& settings);
-    /// The same with lines from elsewhere, such as a broker.
-    LiveTest(std::unique_ptr<Lines> lines, std::filesystem::path log, std::vector<SensorInfo> infos,
+    /// Throws InputError if there is no sensor.
+    LiveTest(std::unique_ptr<Lines> lines, std::vector<SensorInfo> infos,
              const LiveSettings& settings);
-    ~LiveTest();
     LiveTest(const LiveTest&) = delete;
 
     /// Processes records, and waits for them, until the machine has passed an axial strain plus
@@ -82,16 +74,15 @@ private:
         /// s, t of each new sample less the machine's last t when the sample arrived.
         std::vector<double> ahead;
     };
-    void take_line(LineSource::Line line, bool from_log);
-    std::optional<LineSource::Line> next_of_log();
-    void write_to_log(std::string_view text);
+    void take_line(Lines::Line line);
     void take(const StreamRecord& record);
     void take_of_sensor(const StreamRecord& record);
     void take_of_machine(const StreamRecord& record);
     void accept(const StreamRecord& record);
+    void enter_time(const StreamRecord& record, double strain);
     void wait_for_its_time(StreamRecord& record);
-    void end(const std::string& why, bool by_sender);
-    bool is_far_off(const StreamRecord& record, const char* who, double strain);
+    void end(const std::string& why);
+    void note_far_off(const StreamRecord& record, const char* who, double strain);
     void note(const std::string& kind, const std::string& text);
     static Sample sample_of(const StreamRecord& record);
     void look_for_numbers(const StreamRecord& record);
@@ -103,8 +94,6 @@ private:
 
     std::unique_ptr<Lines> lines_;
     RecordParser parser_;
-    std::FILE* log_ = nullptr;
-    std::deque<std::string> logged_; // lines of the log that are not processed yet
     std::vector<SensorInfo> infos_;
     LiveSettings settings_;
     std::map<unsigned, SensorRecords> sensors_;
@@ -112,8 +101,7 @@ private:
     MachineClock clock_;                     // strain by the machine's t and phase
     // number and first message of each kind of problem
     std::map<std::string, std::pair<std::uint64_t, std::string>> notes_;
-    // records of the machine, far from the ones before and near each other
-    std::vector<StreamRecord> inconsistent_;
+    MachineTrack track_;
     std::vector<Instant> arrivals_;
     std::uint64_t taken_ = 0;
     double followed_ = 0, first_t_ = 0;

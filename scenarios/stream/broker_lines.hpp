@@ -34,6 +34,7 @@ public:
     BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos);
     std::optional<Line> next(double timeout) override;
     bool over() const override { return ready_.empty() && link_.over(); }
+    double now() const override { return link_.now(); }
 
     /// Makes lines of a message.
     void take(const BrokerMessage& message);

@@ -1,11 +1,10 @@
 #include "scenarios/stream/run_broker.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
 #include "engine/message.hpp"
 
 #include <fmt/format.h>
-
-#include <cstdio>
 
 namespace bris {
 
@@ -13,23 +12,45 @@ namespace {
 
 constexpr double farewell = 2; // s for the last publications
 
-std::filesystem::path folder_of_resumed(const Common& common) {
-    return std::filesystem::is_directory(common.resume) ? common.resume
-                                                        : common.resume.parent_path();
+void keep_aside(const std::filesystem::path& log) {
+    auto kept = log.string() + ".before";
+    for (int k = 2; std::filesystem::exists(kept); ++k)
+        kept = fmt::format("{}.before.{}", log.string(), k);
+    std::filesystem::rename(log, kept);
 }
 
 } // namespace
 
+std::shared_ptr<StreamLog> begin_log(const RunBrokerSettings& s, LoggedRecords records,
+                                     const std::filesystem::path& stream, const Common& common) {
+    const auto log = common.out / log_name;
+    std::error_code error;
+    require(!std::filesystem::equivalent(stream, log, error),
+            fmt::format("--stream, --out: expected two files, found '{}' as the stream and as the "
+                        "log of it",
+                        log.string()));
+    const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
+    if (!goes_on && std::filesystem::exists(log)) keep_aside(log);
+    if (s.history <= 0) return {};
+    const auto before = common.resume / log_name;
+    if (goes_on && std::filesystem::exists(before) &&
+        !std::filesystem::equivalent(common.resume, common.out, error)) {
+        require_regular_file(before);
+        std::filesystem::copy_file(before, log, std::filesystem::copy_options::overwrite_existing);
+    }
+    return std::make_shared<StreamLog>(
+        log, records, static_cast<std::uint64_t>(s.history * static_cast<double>(1 << 30)));
+}
+
+std::string report_on_log(const StreamLog* log, const RunBrokerSettings& s) {
+    if (log == nullptr || log->left_out() == 0) return {};
+    return fmt::format("log: {} entries left out beyond {:g} GiB (--broker-history)\n",
+                       log->left_out(), s.history);
+}
+
 RunBroker::RunBroker(const RunBrokerSettings& s, const std::filesystem::path& stream, double speed,
                      const Common& common)
-    : history_(s.history), gives_records_(stream.empty() || is_hdf5(stream)) {
-    std::error_code error;
-    require(!is_hdf5(stream) ||
-                !std::filesystem::equivalent(std::filesystem::absolute(stream).parent_path(),
-                                             common.out, error),
-            fmt::format("--stream, --out: expected a history in another folder than that of the "
-                        "results, which replace it, found '{}'",
-                        stream.string()));
+    : gives_records_(stream.empty() || records_of_log(stream) == LoggedRecords::messages) {
     if (!s.client.address.empty()) {
         client_.emplace(s.client, common.scenario,
                         stream.empty() ? BrokerLines::topics() : std::vector<std::string>{},
@@ -37,50 +58,14 @@ RunBroker::RunBroker(const RunBrokerSettings& s, const std::filesystem::path& st
         if (const std::string problem = client_->problem(); !problem.empty())
             say(fmt::format("{}: {}; the run goes on and tries again", common.scenario, problem));
     }
-    if (is_hdf5(stream)) replayed_.emplace(stream, speed, client_ ? &*client_ : nullptr);
-}
-
-void RunBroker::keep_in(Hdf5File& file, const std::filesystem::path& earlier) {
-    if (history_ <= 0) return;
-    kept_.emplace(file, static_cast<std::uint64_t>(history_ * static_cast<double>(1 << 30)));
-    if (!earlier.empty()) {
-        try {
-            HistoryReader reader(earlier);
-            while (auto message = reader.next()) kept_->add(std::move(*message));
-        } catch (const std::exception& e) { // of a run that was killed while it wrote
-            say(fmt::format("the history before the run was resumed is lost: {}", e.what()));
-        }
-    }
-    recorded_.emplace(source(), *kept_);
+    if (!stream.empty() && gives_records_)
+        replayed_.emplace(stream, speed, client_ ? &*client_ : nullptr);
 }
 
 void RunBroker::finish() {
-    if (client_) {
-        client_->flush(farewell);
-        client_->end_session();
-    }
-    if (kept_) kept_->close();
-}
-
-std::string RunBroker::report() const {
-    if (!kept_ || kept_->left_out() == 0) return {};
-    return fmt::format("history: {} messages left out beyond {:g} GiB (--broker-history)\n",
-                       kept_->left_out(), history_);
-}
-
-std::filesystem::path put_aside_run_file(const Common& common, const std::string& name) {
-    if (common.resume.empty()) return {};
-    const auto file = folder_of_resumed(common) / name;
-    const auto aside = common.out / (name + ".earlier"); // there: a run was killed right after this
-    if (!std::filesystem::exists(aside)) {
-        if (!is_hdf5(file)) return {};
-        std::error_code error;
-        if (std::filesystem::equivalent(file.parent_path(), common.out, error))
-            std::filesystem::rename(file, aside);
-        else
-            std::filesystem::copy_file(file, aside);
-    }
-    return aside;
+    if (!client_) return;
+    client_->flush(farewell);
+    client_->end_session();
 }
 
 } // namespace bris

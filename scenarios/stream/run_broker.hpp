@@ -1,20 +1,22 @@
 #pragma once
 
 #include "engine/io/broker_client.hpp"
-#include "engine/io/broker_history.hpp"
 #include "engine/scenario.hpp"
 #include "scenarios/recordings/recording.hpp"
 #include "scenarios/stream/broker_lines.hpp"
+#include "scenarios/stream/logged_lines.hpp"
+#include "scenarios/stream/logged_link.hpp"
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace bris {
 
-/// Settings of what a run has to do with a broker.
+/// Settings of what a run has to do with a broker, and of its log.
 struct RunBrokerSettings {
     BrokerSettings client;
     double history = 4; ///< GiB
@@ -24,41 +26,52 @@ struct RunBrokerSettings {
                "Name under which the broker keeps records after this program was interrupted, for "
                "the next run with that name. Empty: none are kept then.");
         option("broker_history", history, "GiB",
-               "Largest size of the history, all that came from the broker and was published, in "
-               "the run file. 0: no history.",
+               "Largest size of stream.ndjson, the log of all that came and was published. 0: no "
+               "log, so that records cannot be replayed, nor used by a run that is resumed.",
                within(0, 1000));
     }
 };
 
-/// The broker of a run: a connection, or the history of an earlier run that gives the same messages
-/// again, or both, for then the results are published anew; and the history that is kept.
+/// Name of the log in the folder of the results.
+constexpr auto log_name = "stream.ndjson";
+
+/// Begins the log of a run, or goes on with that of the run that is resumed; null: there is to be
+/// none. Any other log that is there is kept under another name, since it may be the only copy of a
+/// test. `stream`: where records come from, which may not be the log. Throws InputError,
+/// OutputError.
+std::shared_ptr<StreamLog> begin_log(const RunBrokerSettings& settings, LoggedRecords records,
+                                     const std::filesystem::path& stream, const Common& common);
+/// What the log left out, in one line; empty: nothing.
+std::string report_on_log(const StreamLog* log, const RunBrokerSettings& settings);
+
+/// The broker of a run: a connection, or the log of an earlier run that gives the same messages
+/// again, or both, for then the results are published anew.
 class RunBroker {
 public:
     /// Whether a run with these settings has any. `stream`: where records come from instead.
     static bool is_needed(const RunBrokerSettings& settings, const std::filesystem::path& stream) {
-        return !settings.client.address.empty() || is_hdf5(stream);
+        return !settings.client.address.empty() ||
+               records_of_log(stream) == LoggedRecords::messages;
     }
-    /// Connects. Records come from a history if `stream` is a run file, from other lines if it is
-    /// anything else, and from the broker if it is empty. `speed`: of a history, relative to the
-    /// times of arrival; 0: at once. A broker without an answer is an error where records come from
-    /// it; otherwise the run goes on, with one line on stderr, and connects later.
+    /// Connects. Records come from a log if `stream` is one of messages, from other lines if it is
+    /// anything else, and from the broker if it is empty. `speed`: of a log, relative to the times
+    /// of arrival; 0: at once. A broker without an answer is an error where records come from it;
+    /// otherwise the run goes on, with one line on stderr, and connects later.
     RunBroker(const RunBrokerSettings& settings, const std::filesystem::path& stream, double speed,
               const Common& common);
 
-    /// From now on all messages are kept in this file, after those of the run `earlier` that is
-    /// resumed (empty: none). The file has to be open until `finish`.
-    void keep_in(Hdf5File& file, const std::filesystem::path& earlier = {});
+    /// From now on all messages are logged, after those of its earlier sessions have been given
+    /// again.
+    void keep_in(std::shared_ptr<StreamLog> log) { logged_.emplace(source(), std::move(log)); }
     /// Whether records come from here.
     bool gives_records() const { return gives_records_; }
     /// The records, as lines; called once.
     std::unique_ptr<BrokerLines> lines(const std::vector<SensorInfo>& infos) {
         return std::make_unique<BrokerLines>(link(), infos);
     }
-    BrokerLink& link() { return recorded_ ? *recorded_ : source(); }
-    /// Waits a moment for the last publications, ends the session and writes the history.
+    BrokerLink& link() { return logged_ ? *logged_ : source(); }
+    /// Waits a moment for the last publications and ends the session.
     void finish();
-    /// What the history left out; empty: nothing.
-    std::string report() const;
 
 private:
     BrokerLink& source() {
@@ -66,16 +79,10 @@ private:
         return *client_;
     }
 
-    double history_;
     bool gives_records_;
     std::optional<BrokerClient> client_;
     std::optional<ReplayedLink> replayed_;
-    std::optional<BrokerHistory> kept_;
-    std::optional<RecordedLink> recorded_;
+    std::optional<LoggedLink> logged_;
 };
-
-/// Renames the run file of the run that is resumed, so that a new one can be written in its place.
-/// Returns its path; empty: there is none.
-std::filesystem::path put_aside_run_file(const Common& common, const std::string& name);
 
 } // namespace bris

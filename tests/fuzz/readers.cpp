@@ -1,25 +1,25 @@
 #include "tests/fuzz/readers.hpp"
 
-#include "engine/io/broker_history.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/io/column_map.hpp"
 #include "engine/io/csv.hpp"
-#include "engine/io/json_numbers.hpp"
+#include "engine/io/json_members.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/options.hpp"
 #include "engine/random.hpp"
 #include "scenarios/ballast_box/train.hpp"
 #include "scenarios/recordings/hdf5_recordings.hpp"
-#include "scenarios/stream/record_stream.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/recordings/recording.hpp"
-#include "scenarios/stream/sensor_payload.hpp"
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/rocks/grading.hpp"
 #include "scenarios/rocks/read_mesh.hpp"
 #include "scenarios/specimens/material_card_file.hpp"
 #include "scenarios/specimens/rock_material.hpp"
 #include "scenarios/specimens/sensor_rocks.hpp"
+#include "scenarios/stream/record_stream.hpp"
+#include "scenarios/stream/sensor_payload.hpp"
+#include "scenarios/stream/stream_log.hpp"
 #include "systems/fields/vdb_file.hpp"
 
 #include <fmt/format.h>
@@ -89,6 +89,15 @@ void read_stream(const fs::path& file) {
     while (std::getline(lines, line.text)) {
         ++line.number;
         if (line.text.size() <= LineSource::longest) (void)parser.parse(line);
+    }
+}
+
+void read_json(const fs::path& file) {
+    const std::string text = read_whole(file);
+    JsonMembers members(text);
+    while (const auto member = members.next()) {
+        (void)json_number(member->value);
+        (void)json_text(member->value);
     }
 }
 
@@ -209,19 +218,22 @@ Texts hdf5_recordings(const fs::path&, const fs::path& folder) {
     return {read_whole(folder / "valid.h5")};
 }
 
-Texts histories(const fs::path&, const fs::path& folder) {
-    Hdf5File file = Hdf5File::create(folder / "valid.h5");
-    BrokerHistory history(file, 1 << 20);
-    for (int i = 0; i < 8; ++i)
-        history.add({1.7e9 + i, fmt::format("rocks/{}/samples", i), std::string(20, 'a'), i == 2,
-                     i % 3 == 1});
-    history.close();
-    file.close();
-    return {read_whole(folder / "valid.h5")};
+Texts logs(const fs::path&, const fs::path& folder) {
+    using Kind = LogEntry::Kind;
+    {
+        StreamLog log(folder / "valid.ndjson", LoggedRecords::messages, 1 << 20);
+        log.add({Kind::message, 1.7e9, "smartrock/1/imu", std::string("\0\1\xff", 3)});
+        log.add({Kind::published, 1.7e9 + 1, "bris/state", "{\"q\": 1}", true, true});
+        log.add({Kind::tick, 1.7e9 + 2});
+    }
+    StreamLog log(folder / "valid.ndjson", LoggedRecords::lines, 1 << 20);
+    log.add({Kind::line, 1.7e9 + 0.1, "", R"({"t": 1, "id": 3})"});
+    log.add({Kind::line, no_arrival, "", "1,2,", false});
+    return {read_whole(folder / "valid.ndjson")};
 }
 
-void read_history(const fs::path& file) {
-    HistoryReader reader(file);
+void read_log(const fs::path& file) {
+    StreamLogReader reader(file);
     while (reader.next()) {
     }
 }
@@ -276,9 +288,10 @@ constexpr std::array readers{
                  [](const fs::path& file) { (void)read_sensor_poses(file); }},
     FuzzedReader{"json", ".json",
                  [](const fs::path&, const fs::path&) -> Texts {
-                     return {R"({"a": 1, "b": -2.5e3, "c": "4", "d": null})", "{}"};
+                     return {R"({"a": 1, "b": -2.5e3, "c": "4", "d": null})", "{}",
+                             R"({"\u0061": [1, {"b": "\"]"}], "c": NaN, "d": true})"};
                  },
-                 [](const fs::path& file) { (void)json_numbers(read_whole(file)); }},
+                 read_json},
     FuzzedReader{"stream", ".ndjson", streams, read_stream},
     FuzzedReader{"payload", ".bin", payloads,
                  [](const fs::path& file) {
@@ -318,7 +331,7 @@ constexpr std::array readers{
     FuzzedReader{"checkpoint", ".h5", checkpoints,
                  [](const fs::path& file) { (void)read_checkpoint(file); }},
     FuzzedReader{"hdf5", ".h5", hdf5_recordings, read_hdf5_recordings, true},
-    FuzzedReader{"history", ".h5", histories, read_history, true}};
+    FuzzedReader{"log", ".ndjson", logs, read_log}};
 
 } // namespace
 

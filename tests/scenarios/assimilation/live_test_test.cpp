@@ -6,6 +6,7 @@
 #include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
 #include "tests/about.hpp"
+#include "tests/scenarios/assimilation/logged.hpp"
 #include "tests/scenarios/assimilation/steady_run.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -16,9 +17,11 @@
 #include <atomic>
 #include <cmath>
 #include <fstream>
+#include <sys/stat.h>
 #include <thread>
 
 using namespace bris;
+using bris::testing::logged;
 
 namespace {
 
@@ -57,7 +60,8 @@ struct Followed {
     }
     std::unique_ptr<LiveTest> follow(const std::vector<std::string>& lines,
                                      const char* log = "log") const {
-        return std::make_unique<LiveTest>(write(lines), folder / log, recorded().infos, settings);
+        return std::make_unique<LiveTest>(logged(write(lines), folder / log), recorded().infos,
+                                          settings);
     }
 };
 
@@ -168,13 +172,13 @@ TEST_SUITE("assimilation/live_test") {
         CHECK(going_on->so_far().measured.back().axial_strain == about(0.004));
         (void)going_on->follow_to(1);
         check_same(going_on->so_far(), recorded().read());
-        const auto all = std::make_unique<LiveTest>(f.write(recorded().lines), f.folder / "log",
-                                                    recorded().infos, f.settings);
+        const auto all = std::make_unique<LiveTest>(
+            logged(f.write(recorded().lines), f.folder / "log"), recorded().infos, f.settings);
         (void)all->follow_to(1);
         check_same(all->so_far(), recorded().read());
         // the log alone contains the whole test
-        const auto again =
-            std::make_unique<LiveTest>(f.write({}), f.folder / "log", recorded().infos, f.settings);
+        const auto again = std::make_unique<LiveTest>(logged(f.write({}), f.folder / "log"),
+                                                      recorded().infos, f.settings);
         CHECK_FALSE(again->follow_to(1));
         CHECK(again->report().find("the sender ended the test") != std::string::npos);
         check_same(again->so_far(), recorded().read());
@@ -207,7 +211,8 @@ TEST_SUITE("assimilation/live_test") {
             if (!strain)
                 for (std::string& line : lines) line = without_strain(line);
             const Followed f;
-            LiveTest test(f.write(lines), f.folder / "log", read_sensor_infos(folder), f.settings);
+            LiveTest test(logged(f.write(lines), f.folder / "log"), read_sensor_infos(folder),
+                          f.settings);
             for (int k = 0; k <= 80; k += 4) {
                 REQUIRE(test.follow_to(1e-3 * k));
                 const RecordedTest now = test.so_far();
@@ -239,7 +244,8 @@ TEST_SUITE("assimilation/live_test") {
             // a clock offset in the metadata corrects it
             auto infos = recorded().infos;
             infos[1].clock_offset = ahead;
-            LiveTest replayed(f.write(lines, "again"), f.folder / "log2", infos, f.settings);
+            LiveTest replayed(logged(f.write(lines, "again"), f.folder / "log2"), infos,
+                              f.settings);
             REQUIRE(replayed.follow_to(0.01));
             CHECK(replayed.so_far().refused() == 0);
             REQUIRE(replayed.so_far().trajectories[1].strain.size() == 9);
@@ -416,7 +422,8 @@ TEST_SUITE("assimilation/live_test") {
             const Followed f;
             LiveSettings settings = f.settings;
             settings.pressure = 1e3 * std::stod(pressure);
-            LiveTest test(f.write(all), f.folder / "log", read_sensor_infos(example), settings);
+            LiveTest test(logged(f.write(all), f.folder / "log"), read_sensor_infos(example),
+                          settings);
             for (const double strain : {0.0, 1e-4, 3e-4, 1e-3, 2e-3, 5e-3, 0.0098, 0.01, 0.0428,
                                         0.0516, 0.0721, 0.08}) { // also where it slips
                 CAPTURE(strain);
@@ -442,7 +449,8 @@ TEST_SUITE("assimilation/live_test") {
                   std::string::npos);
         }
         f.settings.timeout = 2;
-        LiveTest again(f.write(recorded().lines), f.folder / "log", recorded().infos, f.settings);
+        LiveTest again(logged(f.write(recorded().lines), f.folder / "log"), recorded().infos,
+                       f.settings);
         REQUIRE(again.follow_to(0.01));
         check_same(again.so_far(), recorded().read());
     }
@@ -493,6 +501,102 @@ TEST_SUITE("assimilation/live_test") {
               std::string::npos);
     }
 
+    TEST_CASE("copies of one impossible record change nothing, however many there are") {
+        for (const int copies : {1, 2, 3, 100}) {
+            CAPTURE(copies);
+            std::vector<std::string> lines = recorded().lines;
+            const auto at = std::ranges::find_if(lines, [](const std::string& line) {
+                return line.find("\"axial_strain\": 0.0004") != std::string::npos;
+            });
+            REQUIRE(at != lines.end());
+            lines.insert(at, static_cast<std::size_t>(copies),
+                         R"({"t": 80, "axial_strain": 0.5, "deviatoric_stress_Pa": 1e4})");
+            const Followed f;
+            const auto test = f.follow(lines);
+            for (int k = 0; k <= 100; ++k) {
+                REQUIRE(test->follow_to(1e-4 * k));
+                CHECK(test->so_far().measured.size() == static_cast<std::size_t>(k + 1));
+            }
+            (void)test->follow_to(1);
+            check_same(test->so_far(), recorded().read());
+            CHECK(test->report().find(fmt::format("{} time{}: ", copies, copies == 1 ? "" : "s") +
+                                      "line") != std::string::npos);
+        }
+    }
+
+    TEST_CASE("one wrong time of the machine changes nothing, whether it is early or late") {
+        for (const double wrong : {0.0, 1e9, -5e8}) {
+            CAPTURE(wrong);
+            std::vector<std::string> lines;
+            for (const std::string& line : recorded().lines)
+                lines.push_back(changed(without_strain(line), "t", [&](double t, long stage) {
+                    return stage == 20 ? wrong : t;
+                }));
+            const Followed f;
+            const auto test = f.follow(lines);
+            (void)test->follow_to(1);
+            const auto found = test->so_far();
+            CHECK(found.refused() == 0);
+            const RecordedTest expected = recorded().read();
+            for (std::size_t s = 0; s < 3; ++s) {
+                REQUIRE(found.trajectories[s].strain.size() + 1 ==
+                        expected.trajectories[s].strain.size());
+                for (std::size_t k = 0; k < found.trajectories[s].strain.size(); ++k)
+                    CHECK(found.trajectories[s].strain[k] ==
+                          about(expected.trajectories[s].strain[k]).epsilon(1e-3));
+            }
+        }
+    }
+
+    TEST_CASE("fields that nobody uses change nothing, and the report names them once") {
+        std::vector<std::string> lines;
+        for (const std::string& line : recorded().lines)
+            lines.push_back(line.find("\"end\"") != std::string::npos
+                                ? line
+                                : R"({"fw": "1.2.3", "ok": true, "where": {"t": [NaN]}, )" +
+                                      line.substr(1));
+        const Followed f;
+        const auto test = f.follow(lines);
+        (void)test->follow_to(1);
+        check_same(test->so_far(), recorded().read());
+        CHECK(test->report().find("fields that nobody uses are ignored: fw, ok, where\n") !=
+              std::string::npos);
+    }
+
+    TEST_CASE("a test that came through a pipe is the same again from its log, at every strain") {
+        const Followed f;
+        const auto pipe = f.folder / "pipe";
+        REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+        std::vector<std::string> lines = recorded().lines;
+        std::swap(lines[70], lines[75]);
+        lines.insert(lines.begin() + 60,
+                     {"junk \xff", R"({"t": 81, "axial_strain": 0.5, "deviatoric_stress_Pa": 1})"});
+        std::thread sender([&] {
+            std::ofstream out(pipe);
+            for (const std::string& line : lines) out << line << '\n' << std::flush;
+            out << "{\"id\": 1, \"t\""; // cut off by the end of the stream
+        });
+        std::vector<RecordedTest> live;
+        std::string report;
+        {
+            LiveTest test(logged(pipe, f.folder / "log"), recorded().infos, f.settings);
+            for (int k = 0; k <= 10; ++k) {
+                REQUIRE(test.follow_to(1e-3 * k));
+                live.push_back(test.so_far());
+            }
+            (void)test.follow_to(1);
+            report = test.report();
+        }
+        sender.join();
+        LiveTest again(open_lines(f.folder / "log"), recorded().infos, f.settings);
+        for (int k = 0; k <= 10; ++k) {
+            REQUIRE(again.follow_to(1e-3 * k));
+            check_same(again.so_far(), live[static_cast<std::size_t>(k)]);
+        }
+        (void)again.follow_to(1);
+        CHECK(again.report() == report);
+    }
+
     TEST_CASE("a machine that sends its strain in per cent does not end the test") {
         std::vector<std::string> lines;
         for (int k = 0; k < 40; ++k)
@@ -538,7 +642,7 @@ TEST_SUITE("assimilation/live_test") {
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
             }
         });
-        LiveTest test(path, f.folder / "log", recorded().infos, f.settings);
+        LiveTest test(logged(path, f.folder / "log"), recorded().infos, f.settings);
         const Instant began = this_instant();
         CHECK_FALSE(test.follow_to(0.01));
         over = true;
@@ -557,8 +661,8 @@ TEST_SUITE("assimilation/live_test") {
             REQUIRE(test->follow_to(0.001));
             std::this_thread::sleep_for(std::chrono::milliseconds(300)); // all are read meanwhile
         }
-        const auto again =
-            std::make_unique<LiveTest>(f.write({}), f.folder / "log", recorded().infos, f.settings);
+        const auto again = std::make_unique<LiveTest>(logged(f.write({}), f.folder / "log"),
+                                                      recorded().infos, f.settings);
         (void)again->follow_to(1);
         check_same(again->so_far(), recorded().read());
     }

@@ -1,14 +1,15 @@
-// A day over a real broker, and the same day again from the history in the run file.
+// A day over a real broker, and the same day again from its log.
 #include "engine/errors.hpp"
-#include "engine/io/broker_history.hpp"
 #include "engine/io/whole_file.hpp"
 #include "scenarios/stream/recording_replay.hpp"
+#include "scenarios/stream/stream_log.hpp"
 #include "tests/scenarios/faults/process.hpp"
 #include "tests/scenarios/monitoring/test_broker.hpp"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <optional>
@@ -35,7 +36,7 @@ std::vector<std::string> lines_of_passages(const fs::path& folder) {
             const auto record = parser.parse({1, line, this_instant(), true});
             if (!record) continue;
             std::string text;
-            for (const auto& [name, value] : record->numbers)
+            for (const auto& [name, value] : record->numbers())
                 text += fmt::format("{}\"{}\": {}", text.empty() ? "{" : ", ", name,
                                     name == "t" ? value + 20.0 * static_cast<double>(k) : value);
             lines.push_back(text + "}");
@@ -47,10 +48,11 @@ std::vector<std::string> lines_of_passages(const fs::path& folder) {
 /// What a run published of alarms and states, one after the other, with every byte.
 std::vector<std::string> verdicts_in(const fs::path& file) {
     std::vector<std::string> found;
-    HistoryReader reader(file);
+    StreamLogReader reader(file);
     while (const auto m = reader.next())
-        if (m->published && (m->topic == "bris/state" || m->topic.ends_with("/alarm")))
-            found.push_back(m->topic + " " + m->payload);
+        if (m->kind == LogEntry::Kind::published &&
+            (m->topic == "bris/state" || m->topic.ends_with("/alarm")))
+            found.push_back(m->topic + " " + m->text);
     return found;
 }
 
@@ -59,7 +61,7 @@ std::vector<std::string> topics() { return {"bris/#", "smartrock/+/status"}; }
 } // namespace
 
 TEST_SUITE("monitoring/history") {
-    TEST_CASE("a day is replayed from the run file with the same alarms and states, bit for bit") {
+    TEST_CASE("a day is replayed from its log with the same alarms and states, bit for bit") {
         TestBroker broker;
         if (!broker.runs()) return;
         const TemporaryDirectory folder;
@@ -93,31 +95,31 @@ TEST_SUITE("monitoring/history") {
         CAPTURE(ended.err);
         REQUIRE(ended.code == 0);
 
-        const Outcome again = run_process({"monitor", "--stream", in("day/monitor.h5"),
+        const Outcome again = run_process({"monitor", "--stream", in("day/stream.ndjson"),
                                            "--baseline", in("example/baseline"), "--window", "20",
                                            "--out", in("again"), "--quiet"});
         CAPTURE(again.err);
         REQUIRE(again.code == 0);
-        const auto then = verdicts_in(in("day/monitor.h5"));
+        const auto then = verdicts_in(in("day/stream.ndjson"));
         CHECK(then.size() >= 8); // two sensors in two windows or more: states, and alarms
         CHECK(std::ranges::any_of(then, [](const std::string& text) {
             return text.find("\"active\":true") != std::string::npos;
         }));
-        CHECK(verdicts_in(in("again/monitor.h5")) == then);
+        CHECK(verdicts_in(in("again/stream.ndjson")) == then);
         CHECK(read_whole(in("again/history.csv")) == read_whole(in("day/history.csv")));
 
         // everything else that passed is there too
         std::size_t payloads = 0, settings_of_rock = 0, acknowledged = 0, health = 0;
-        HistoryReader reader(in("day/monitor.h5"));
+        StreamLogReader reader(in("day/stream.ndjson"));
         double last = 0;
         while (const auto m = reader.next()) {
             payloads += static_cast<std::size_t>(m->topic.ends_with("/imu"));
             settings_of_rock += static_cast<std::size_t>(m->topic == "smartrock/1/config");
             acknowledged += static_cast<std::size_t>(m->topic == "smartrock/1/config/ack");
             health += static_cast<std::size_t>(m->topic == "bris/health");
-            if (m->published || m->topic == BrokerLink::own_topic) continue;
-            if (m->time < last) FAIL("a time of arrival goes back");
-            last = m->time;
+            if (m->kind != LogEntry::Kind::message && m->kind != LogEntry::Kind::tick) continue;
+            if (m->arrival < last) FAIL("a time of arrival goes back");
+            last = m->arrival;
         }
         CHECK(payloads == replay.sent() + 1);
         CHECK(settings_of_rock == 1);
@@ -125,30 +127,28 @@ TEST_SUITE("monitoring/history") {
         CHECK(health >= 1);
 
         const Outcome over_itself =
-            run_process({"monitor", "--stream", in("day/monitor.h5"), "--baseline",
+            run_process({"monitor", "--stream", in("day/stream.ndjson"), "--baseline",
                          in("example/baseline"), "--out", in("day"), "--quiet"});
         CHECK(over_itself.code == 2);
         CHECK(is_one_line_of(over_itself.err, "monitor"));
     }
 
-    TEST_CASE("live_demo shows a history again: every message of it, in order, at its times") {
+    TEST_CASE("live_demo shows a log again: every message of it, in order, at its times") {
         if (!TestBroker().runs()) return;
         const TemporaryDirectory folder;
-        const auto path = folder.path() / "run.h5";
+        const auto path = folder.path() / "log";
         std::vector<std::string> expected;
         {
-            Hdf5File file = Hdf5File::create(path);
-            BrokerHistory history(file, 1 << 30);
-            history.add({1e9 - 5, BrokerLink::own_topic, "began"});
+            using Kind = LogEntry::Kind;
+            StreamLog log(path, LoggedRecords::messages, 1 << 30);
+            log.add({Kind::message, log.began(), BrokerLink::own_topic, "broken"});
             for (int k = 0; k < 40; ++k) {
                 const auto state = fmt::format("{{\"axial_strain\":{}}}", 1e-4 * k);
-                history.add({1e9 + k, "bris/state", state, false, true});
-                history.add({1e9 + k + 0.5, "smartrock/3/status", "online"});
+                log.add({Kind::published, log.began() + k, "bris/state", state});
+                log.add({Kind::message, log.began() + k + 0.5, "smartrock/3/status", "online"});
                 expected.push_back("bris/state " + state);
                 expected.emplace_back("smartrock/3/status online");
             }
-            history.close();
-            file.close();
         }
         const auto out = folder.path() / "out";
         const Instant began = this_instant();

@@ -3,7 +3,6 @@
 
 #include "engine/assets.hpp"
 #include "engine/io/column_map.hpp"
-#include "engine/io/json_numbers.hpp"
 #include "engine/io/whole_file.hpp"
 #include "scenarios/recordings/guess_columns.hpp"
 #include "scenarios/recordings/recorded_test.hpp"

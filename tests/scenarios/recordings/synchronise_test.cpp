@@ -1,9 +1,9 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
-#include "engine/io/json_numbers.hpp"
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/twin.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/stream/logged_lines.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/assimilation/steady_run.hpp"
@@ -219,14 +219,14 @@ TEST_SUITE("recordings/synchronise") {
         for (const std::string& line : lines) {
             out << line << '\n';
             if (line.find("axial_strain") == std::string::npos) continue;
-            const auto numbers = json_numbers(line);
-            CHECK(numbers.at("t") == about(time_at(numbers.at("axial_strain"))));
-            CHECK(numbers.contains("phase"));
+            const auto record = RecordParser().parse({1, line, {}, true});
+            CHECK(record->number("t") == about(time_at(record->number("axial_strain"))));
+            CHECK(record->has("phase"));
             ++records;
         }
         out.close();
         CHECK(records == 101);
-        LiveTest test(r.folder / "lines", r.folder / "log", r.infos, {.timeout = 2});
+        LiveTest test(open_lines(r.folder / "lines"), r.infos, {.timeout = 2});
         (void)test.follow_to(1);
         INFO(test.report());
         CHECK(test.report().find("unreadable") == std::string::npos);
@@ -245,7 +245,7 @@ TEST_SUITE("recordings/synchronise") {
                 out << line << '\n';
             }
             out.close();
-            LiveTest test(r.folder / name, r.folder / fmt::format("{}.log", name), r.infos,
+            LiveTest test(open_lines(r.folder / name), r.infos,
                           {.timeout = 2, .quality_control = {.interval = 0.99e-3}});
             (void)test.follow_to(1);
             return std::pair{test.so_far(), test.report()};
