@@ -47,7 +47,9 @@ struct Monitor {
                "Source of records instead of --recordings: - (standard input), a pipe or a growing "
                "file; or monitor.h5, the history of a run over a broker. Sensors are those of the "
                "metadata of --baseline.");
-        option("columns", columns, "", "Column map of CSV files of other programs.");
+        option("columns", columns, "",
+               "Column map of CSV files of other programs. Default: columns.txt in the folder, if "
+               "it is there.");
         option("window", of_stream.window, "s", "Recorded time of a stream in one passage.",
                within(1, 1e6));
         option("late", of_stream.late, "s",
