@@ -44,16 +44,17 @@ double median_norm(const FileNumbers& numbers, const std::array<const char*, 3>&
     return norms.empty() ? nothing : median(std::move(norms));
 }
 
-/// Whether a sampling rate is one that loggers are set to: a whole number of Hz or of seconds, or
-/// half of such a rate, and so on.
+/// Whether a sampling rate is one that loggers are set to: 100 Hz or more, a whole number of Hz or
+/// of seconds, or 12.5, 6.25 ... Hz.
 bool is_usual(double rate) {
-    for (double r = rate; r < 20 * rate; r *= 2) {
-        const double nearest = std::round(r);
-        if (nearest >= 1 && std::abs(r - nearest) < 2e-3 * nearest && (r == rate || nearest >= 25))
-            return true;
-    }
-    const double seconds = std::round(1 / rate);
-    return seconds >= 1 && std::abs(1 / rate - seconds) < 2e-3 * seconds;
+    const auto is_near_whole = [](double x) {
+        const double whole = std::round(x);
+        return whole >= 1 && std::abs(x - whole) < 2e-3 * whole;
+    };
+    if (rate >= 100 || is_near_whole(rate) || is_near_whole(1 / rate)) return true;
+    for (const double half : {12.5, 6.25, 3.125, 1.5625})
+        if (std::abs(rate / half - 1) < 2e-3) return true;
+    return false;
 }
 
 /// Whether a time in seconds may be one since the logger was started, or a date of this century.

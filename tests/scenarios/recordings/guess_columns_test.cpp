@@ -78,7 +78,7 @@ TEST_SUITE("recordings/guess_columns") {
                                           {"Time (milliseconds)", "ms"},
                                           {"Time [ns]", "ns"},
                                           {"Timestamp_us", "us"},
-                                          {"time, min", "min"},
+                                          {"\"time, min\"", "min"},
                                           {"millis", "ms"},
                                           {"seconds_elapsed", "s"},
                                           {"timeMs", "ms"},
