@@ -135,6 +135,7 @@ TEST_SUITE("recordings/recordings_scenario") {
         CHECK(read_recorded_test(made, 55e3, own, settings).refused() == 10); // without positions
         for (std::size_t k = 0; k < own.size(); ++k) {
             own[k].set_pose(infos[k].position(), own[k].attitude());
+            own[k].set_placed(infos[k].placed_position(), infos[k].placed_attitude());
             write_sensor_info(fs::path(made) / fmt::format("rock_{:02}.txt", own[k].id), own[k]);
         }
         const RecordedTest back = read_recorded_test(made, 55e3, own, settings);
