@@ -49,7 +49,9 @@ struct Monitor {
                "Source of records instead of --recordings: - (standard input), a pipe or a growing "
                "file; or stream.ndjson, the log of an earlier run. Sensors are those of the "
                "metadata of --baseline.");
-        option("columns", columns, "", "Column map of CSV files of other programs.");
+        option("columns", columns, "",
+               "Column map of CSV files of other programs. Default: columns.txt in the folder, if "
+               "it is there.");
         option("quiet_time", of_stream.quiet, "s",
                "Time without vibration that ends a passage in a stream.", within(0.5, 1e4));
         option("window", of_stream.window, "s",

@@ -10,6 +10,7 @@
 #include "scenarios/recordings/draw_recordings.hpp"
 #include "scenarios/recordings/new_recordings.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/triaxial/triaxial_scene.hpp"
 
 #include <fmt/format.h>
 
@@ -25,6 +26,7 @@ struct Judged {
     std::filesystem::path recordings = assets_folder() / "smartrock", sensors = {}, machine = {};
     std::vector<double> pressures{};
     QualityControlSettings quality_control;
+    Triaxial model{.test = {.preparation = "report"}}; // as of smart_triaxial
     double displacement_deviation = 1e-3, rotation_deviation = 0.1;
 
     void describe(Options& option) {
@@ -53,6 +55,8 @@ struct Judged {
                above(0, 10));
         option("rotation_deviation", rotation_deviation, "rad",
                "Standard deviation of a model's rotation of a rock, likewise.", above(0, 10));
+        option.group("Specimen of the model, in which the sensor rocks are placed");
+        model.describe_mould(option);
         option.group("A new folder of recordings");
         option("new", sensors, "",
                "CSV file of another make with samples of sensors, from which --out becomes a new "
@@ -83,11 +87,6 @@ std::vector<double> pressures_in(const std::filesystem::path& folder) {
     return pressures;
 }
 
-/// The file of this name in the folder, if no other was given.
-void find_map(std::filesystem::path& map, const std::filesystem::path& own) {
-    if (map.empty() && std::filesystem::exists(own)) map = own;
-}
-
 /// Time that the test takes by its recordings, s; without any, by those of the machine.
 double duration_of(const RecordedTest& test, double rest) {
     double longest = 0;
@@ -96,10 +95,15 @@ double duration_of(const RecordedTest& test, double rest) {
     return longest > 0 ? longest : 1;
 }
 
-/// Judges one test: draws it, and adds to the report and to the summary.
+/// Judges one test: draws it, and adds to the report and to the summary. `problems` of the position
+/// of each sensor.
 void judge_test(const Judged& s, double pressure, const std::vector<SensorInfo>& infos,
-                const Common& common, std::string& report, Summary& summary) {
-    const RecordedTest test = read_recorded_test(s.recordings, pressure, infos, s.quality_control);
+                const std::vector<std::string>& problems, const Common& common, std::string& report,
+                Summary& summary) {
+    RecordedTest test = read_recorded_test(s.recordings, pressure, infos, s.quality_control);
+    for (std::size_t k = 0; k < infos.size(); ++k)
+        if (!problems[k].empty())
+            test.findings.push_back({Finding::Kind::refusal, infos[k].id, "position", problems[k]});
     const std::string name = folder_of(pressure);
     const std::filesystem::path of_test = common.out / name;
     std::filesystem::create_directories(of_test);
@@ -114,18 +118,17 @@ void judge_test(const Judged& s, double pressure, const std::vector<SensorInfo>&
     summary.add(name + "_machine_channels_refused", refused_channels(test));
 }
 
-void judge(const Judged& given, const Common& common) {
-    Judged s = given;
-    find_map(s.quality_control.columns, s.recordings / "columns.txt");
-    find_map(s.quality_control.machine_columns, s.recordings / "machine_columns.txt");
+void judge(const Judged& s, const Common& common) {
     const auto pressures = s.pressures.empty() ? pressures_in(s.recordings) : s.pressures;
     const auto infos = read_sensor_infos(s.recordings);
+    const auto problems = // as smart_triaxial finds them
+        problems_of_recorded_poses(with_recorded_poses(s.model, s.recordings), common.seed);
     Summary summary;
     std::string report;
     std::exception_ptr unreadable; // of the first test that cannot be read; the others are judged
     for (const double pressure : pressures) {
         try {
-            judge_test(s, pressure, infos, common, report, summary);
+            judge_test(s, pressure, infos, problems, common, report, summary);
         } catch (const Interrupted&) {
             throw;
         } catch (const Error& e) {

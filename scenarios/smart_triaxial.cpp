@@ -58,9 +58,10 @@ struct Smart {
                "folder such as 55kPa with recordings.csv (or recordings.h5) and test.csv.");
         option("columns", quality_control.columns, "",
                "File that maps the columns of recordings.csv if another program wrote it: names, "
-               "units, signs, delimiter.");
+               "units, signs, delimiter. Default: columns.txt in the folder, if it is there.");
         option("machine_columns", quality_control.machine_columns, "",
-               "File that maps the columns of test.csv in the same way.");
+               "File that maps the columns of test.csv in the same way. Default: "
+               "machine_columns.txt in the folder, if it is there.");
         option("rest", quality_control.rest, "s",
                "Time at the beginning of the recordings during which the rocks are at rest.",
                above(0, 1e6));

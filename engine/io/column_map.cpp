@@ -171,4 +171,17 @@ CsvForm read_column_map(const std::filesystem::path& path, const std::vector<Kno
     return ColumnMap(path, known).read();
 }
 
+std::filesystem::path map_to_use(const std::filesystem::path& given,
+                                 const std::filesystem::path& own) {
+    return given.empty() && std::filesystem::exists(own) ? own : given;
+}
+
+std::vector<std::string> titles_of(const std::vector<KnownColumn>& known, const CsvForm& form) {
+    std::vector<std::string> titles;
+    for (const CsvColumn& column : form.columns) titles.push_back(column.theirs);
+    if (form.columns.empty())
+        for (const KnownColumn& column : known) titles.push_back(column.name);
+    return titles;
+}
+
 } // namespace bris

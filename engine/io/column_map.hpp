@@ -37,4 +37,13 @@ struct KnownColumn {
 /// unknown names, names used twice on either side, unknown units, and missing required columns.
 CsvForm read_column_map(const std::filesystem::path& path, const std::vector<KnownColumn>& known);
 
+/// The map that is given or, if none is, the one that stands beside the data, `own`, if it is
+/// there.
+std::filesystem::path map_to_use(const std::filesystem::path& given,
+                                 const std::filesystem::path& own);
+
+/// The names in the file of the columns that are read with this form: those that it requests, or
+/// all known ones.
+std::vector<std::string> titles_of(const std::vector<KnownColumn>& known, const CsvForm& form);
+
 } // namespace bris

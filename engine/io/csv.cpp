@@ -9,14 +9,12 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 
 namespace bris {
 
 namespace {
-
-[[noreturn]] void refuse_twice(const std::string& at, std::string_view name) {
-    throw InputError(fmt::format("{}: column '{}': expected once, found twice", at, name));
-}
 
 /// Reads the header and the rows of a file in a given format.
 class Reader {
@@ -26,17 +24,31 @@ public:
     void read_header(std::string_view line, const std::string& at) {
         const auto cells = cells_of(line, form_.delimiter);
         width_ = cells.size();
-        header_ = listed({cells.begin(), cells.end()});
-        if (form_.columns.empty()) read_names(cells, line, at);
+        table_.titles.assign(cells.begin(), cells.end());
+        header_ = listed(table_.titles);
+        std::map<std::string_view, std::vector<std::size_t>> indices; // of the cells by their text
+        for (std::size_t k = 0; k < width_; ++k) indices[table_.titles[k]].push_back(k);
+        const auto add = [&](const std::string& ours, const std::vector<std::size_t>& with_name) {
+            const std::string& title = table_.titles[with_name.front()];
+            if (with_name.size() > 1)
+                table_.unusable.emplace(
+                    ours, fmt::format("{}: column '{}': expected once, found twice", at, title));
+            table_.names.push_back(ours);
+            from_.push_back(with_name.front());
+        };
+        if (form_.columns.empty()) {
+            require_names(line, at);
+            for (std::size_t k = 0; k < width_; ++k)
+                if (const auto& all = indices[table_.titles[k]];
+                    !table_.titles[k].empty() && all.front() == k)
+                    add(table_.titles[k], all);
+        }
         for (const CsvColumn& column : form_.columns) {
-            const auto found = std::find(cells.begin(), cells.end(), column.theirs);
-            if (found == cells.end())
+            const auto found = indices.find(column.theirs);
+            if (found == indices.end())
                 throw InputError(fmt::format("{}: expected a column '{}' ({} of {}), found {}", at,
                                              column.theirs, column.ours, column.where, header_));
-            if (std::find(found + 1, cells.end(), column.theirs) != cells.end())
-                refuse_twice(at, column.theirs);
-            table_.names.push_back(column.ours);
-            from_.push_back(static_cast<std::size_t>(found - cells.begin()));
+            add(column.ours, found->second);
         }
     }
 
@@ -50,25 +62,23 @@ public:
             const auto value = number_in(cells[from_[i]]);
             const CsvColumn* const wanted = form_.columns.empty() ? nullptr : &form_.columns[i];
             if (!value)
-                throw InputError(fmt::format("{}: column '{}': expected a number, found \"{}\"", at,
-                                             wanted ? wanted->theirs : table_.names[i],
-                                             cells[from_[i]]));
-            row.push_back(wanted ? wanted->scale * *value + wanted->offset : *value);
+                table_.unusable.try_emplace(
+                    table_.names[i], fmt::format("{}: column '{}': expected a number, found \"{}\"",
+                                                 at, table_.titles[from_[i]], cells[from_[i]]));
+            const double number = value.value_or(std::numeric_limits<double>::quiet_NaN());
+            row.push_back(wanted ? wanted->scale * number + wanted->offset : number);
         }
         table_.rows.push_back(std::move(row));
     }
 
 private:
-    void read_names(const std::vector<std::string_view>& cells, std::string_view line,
-                    const std::string& at) {
-        for (const std::string_view cell : cells) {
-            if (cell.empty() || number_of(cell))
-                throw InputError(
-                    fmt::format("{}: expected column names, found \"{}\"", at, trimmed(line)));
-            if (table_.has(std::string(cell))) refuse_twice(at, cell);
-            from_.push_back(table_.names.size());
-            table_.names.emplace_back(cell);
-        }
+    void require_names(std::string_view line, const std::string& at) const {
+        const auto is_name = [](const std::string& title) {
+            return !title.empty() && !number_of(title);
+        };
+        if (std::ranges::none_of(table_.titles, is_name))
+            throw InputError(
+                fmt::format("{}: expected column names, found \"{}\"", at, trimmed(line)));
     }
 
     std::optional<double> number_in(std::string_view cell) const {
@@ -147,10 +157,19 @@ std::vector<double> CsvTable::column(const std::string& name) const {
     if (found == names.end())
         throw InputError(fmt::format("{}: expected a column '{}', found {}", path.string(), name,
                                      listed(names)));
+    if (const auto problem = unusable.find(name); problem != unusable.end())
+        throw InputError(problem->second);
     std::vector<double> values;
     for (const auto& row : rows)
         values.push_back(row[static_cast<std::size_t>(found - names.begin())]);
     return values;
+}
+
+std::vector<std::string> CsvTable::others(const std::vector<std::string>& used) const {
+    std::set<std::string> unused(titles.begin(), titles.end());
+    unused.erase("");
+    for (const std::string& title : used) unused.erase(title);
+    return {unused.begin(), unused.end()};
 }
 
 CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form) {

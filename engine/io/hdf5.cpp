@@ -511,13 +511,23 @@ std::string Hdf5File::text_attribute(const std::string& object, const std::strin
         H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
     if (opened < 0) fail("read", attribute_path(object, name));
     const Type stored(H5Aget_type(opened));
-    if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) > 0 ||
-        H5Sget_simple_extent_npoints(Space(H5Aget_space(opened))) != 1)
-        throw OutputError(fmt::format("cannot read {} in '{}': not a text of fixed length",
+    const Space space(H5Aget_space(opened));
+    if (H5Tget_class(stored) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
+        throw OutputError(fmt::format("cannot read {} in '{}': not a text",
                                       attribute_path(object, name), path_.string()));
+    if (H5Tis_variable_str(stored) > 0) {
+        char* text = nullptr; // the library's; null: an empty text
+        if (H5Aread(opened, stored, &text) < 0) fail("read", attribute_path(object, name));
+        const std::string value = text != nullptr ? text : "";
+        H5Dvlen_reclaim(stored, space, H5P_DEFAULT, &text);
+        return value;
+    }
     std::string value(H5Tget_size(stored), '\0');
     if (H5Aread(opened, stored, value.data()) < 0) fail("read", attribute_path(object, name));
-    return value.substr(0, value.find('\0'));
+    value.resize(std::min(value.find('\0'), value.size()));
+    if (H5Tget_strpad(stored) == H5T_STR_SPACEPAD) // as Fortran writes
+        value.resize(value.find_last_not_of(' ') + 1);
+    return value;
 }
 
 } // namespace bris

@@ -90,6 +90,7 @@ void send_object(const Hdf5File& file, const std::string& object, int depth,
                 entry.numbers = file.read<double>(object);
             });
         send(pipe, object, entry);
+        send_attributes(file, object, pipe);
         return;
     }
     entry.no_numbers = fmt::format("cannot read {} in '{}': not an array of numbers", object,
@@ -181,6 +182,19 @@ const std::vector<double>& Hdf5Content::numbers(const std::string& dataset) cons
 
 bool Hdf5Content::has_attribute(const std::string& object, const std::string& name) const {
     return has(object + "@" + name);
+}
+
+std::vector<std::string> Hdf5Content::attribute_names(const std::string& object) const {
+    std::vector<std::string> list;
+    const std::string prefix = object + "@";
+    for (auto at = entries_.lower_bound(prefix);
+         at != entries_.end() && at->first.starts_with(prefix); ++at)
+        list.push_back(at->first.substr(prefix.size()));
+    return list;
+}
+
+bool Hdf5Content::has_text(const std::string& object, const std::string& attribute) const {
+    return has_attribute(object, attribute) && entry(object + "@" + attribute).no_text.empty();
 }
 
 const std::vector<double>& Hdf5Content::attribute(const std::string& object,

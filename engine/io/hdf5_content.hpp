@@ -30,7 +30,9 @@ public:
     const Hdf5File::Shape& shape(const std::string& dataset) const;
     /// All numbers of a dataset, whose type in the file may be any type of number.
     const std::vector<double>& numbers(const std::string& dataset) const;
+    std::vector<std::string> attribute_names(const std::string& object) const; ///< sorted
     bool has_attribute(const std::string& object, const std::string& name) const;
+    bool has_text(const std::string& object, const std::string& attribute) const;
     const std::vector<double>& attribute(const std::string& object, const std::string& name) const;
     const std::string& text_attribute(const std::string& object, const std::string& name) const;
 

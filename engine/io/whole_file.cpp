@@ -1,6 +1,7 @@
 #include "engine/io/whole_file.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/io/encoding.hpp"
 
 #include <fmt/format.h>
 
@@ -89,7 +90,11 @@ std::string_view without_mark(std::string_view text) {
 }
 
 std::string read_text(const std::filesystem::path& path) {
-    return std::string(without_mark(read_whole(path)));
+    try {
+        return as_utf8(read_whole(path));
+    } catch (const InputError& e) {
+        throw InputError(fmt::format("{}: {}", path.string(), e.what()));
+    }
 }
 
 void write_whole(const std::filesystem::path& name, std::string_view content) {

@@ -24,7 +24,7 @@ std::filesystem::path temporary_name(const std::filesystem::path& path);
 std::string read_whole(const std::filesystem::path& path);
 /// A text without the byte order mark with which spreadsheets begin a file of UTF-8.
 std::string_view without_mark(std::string_view text);
-/// The content of a file without its byte order mark. Throws OutputError if it cannot be read.
+/// The content of a text file as UTF-8 (as_utf8). Throws OutputError, InputError for UTF-32.
 std::string read_text(const std::filesystem::path& path);
 
 /// Writes `content` under a temporary name and renames it to `path`, so that a reader finds either

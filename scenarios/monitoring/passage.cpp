@@ -67,8 +67,9 @@ std::vector<SensorInfo> sensor_infos_in(const fs::path& folder, const std::strin
 std::vector<Passage> read_passages(const fs::path& folder, const fs::path& columns,
                                    const std::string& option) {
     const std::vector<SensorInfo> infos = sensor_infos_in(folder, option);
-    const CsvForm form = columns.empty() ? CsvForm{} : naming("--columns", [&] {
-        return read_column_map(columns, recording_columns());
+    const fs::path map = map_to_use(columns, folder / "columns.txt");
+    const CsvForm form = map.empty() ? CsvForm{} : naming("--columns", [&] {
+        return read_column_map(map, recording_columns());
     });
     std::vector<Passage> passages;
     for (const fs::path& of : folders_with_recordings(folder, option))

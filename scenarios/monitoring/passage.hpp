@@ -17,8 +17,9 @@ struct Passage {
 
 /// Reads a folder of recordings: metadata rock_NN.txt, and a file recordings.csv for each passage,
 /// in the folder itself and in its subfolders, in the order of their names; or files recordings.h5,
-/// which may contain the metadata. `columns`: column map of the CSV files; empty: the format of
-/// BRIS. `option` names the folder in messages. Throws InputError with file:line, and OutputError.
+/// which may contain the metadata. `columns`: column map of the CSV files; empty: columns.txt in
+/// the folder or, where it is not there, the format of BRIS. `option` names the folder in messages.
+/// Throws InputError with file:line, and OutputError.
 std::vector<Passage> read_passages(const std::filesystem::path& folder,
                                    const std::filesystem::path& columns, const std::string& option);
 

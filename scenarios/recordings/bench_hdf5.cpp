@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -43,6 +44,16 @@ public:
                 fmt::format("{}: expected a one-dimensional array of numbers, found {}", at("time"),
                             in_words(shape)));
         records_ = shape.front();
+        constexpr std::array<std::pair<const char*, const char*>, 7> units{
+            {{"time", "s"},
+             {"strain", "1"},
+             {"force", "N"},
+             {"confining", "Pa"},
+             {"volumetric_strain", "1"},
+             {"phase", "cycles"},
+             {"ring_radius", "m"}}};
+        for (const auto& [dataset, unit] : units)
+            require_unit(file_, named(dataset), unit, {ColumnUnit{.name = unit}});
     }
 
     Bench read(double pressure) const {
@@ -75,6 +86,9 @@ public:
             require_number("phase", k, *phase, k == 0 || (*phase)[k] >= (*phase)[k - 1]);
             bench.clock.by_phase.emplace((*phase)[k], strain[k]);
         }
+        bench.unused = unused_in(file_, group,
+                                 {"time", "strain", "force", "confining", "volumetric_strain",
+                                  "phase", "ring_radius", "@area"});
         const double area = area_at_start();
         const auto areas = areas_of(bench.points);
         for (std::size_t k = 0; k < records_; ++k)

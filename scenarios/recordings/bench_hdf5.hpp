@@ -4,6 +4,7 @@
 #include "scenarios/recordings/triaxial_point.hpp"
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace bris {
@@ -13,6 +14,7 @@ struct Bench {
     /// Strain, q, volumetric strain and ring radii; NaN: not measured.
     std::vector<TriaxialPoint> points;
     MachineClock clock = {};
+    std::vector<std::string> unused = {}; ///< fields of the file that are no measurement
 };
 
 /// Whether a file of recordings has the group /bench. Throws OutputError.

@@ -1,9 +1,12 @@
 #pragma once
 
+#include "engine/io/column_map.hpp"
 #include "engine/io/hdf5_content.hpp"
 #include "scenarios/recordings/bench_hdf5.hpp"
 #include "scenarios/recordings/recording.hpp"
 
+#include <set>
+#include <string>
 #include <vector>
 
 namespace bris {
@@ -15,5 +18,14 @@ std::vector<SensorInfo> sensor_infos_in(const Hdf5Content& file);
 std::vector<Recording> recordings_in(const Hdf5Content& file,
                                      const std::vector<SensorInfo>& sensors);
 Bench bench_in(const Hdf5Content& file, double pressure);
+
+/// Throws InputError if a dataset states, by an attribute units or unit, another unit than `unit`,
+/// the one of `units` that it is read in.
+void require_unit(const Hdf5Content& file, const std::string& dataset, const std::string& unit,
+                  const std::vector<ColumnUnit>& units);
+
+/// The members of a group and its attributes (as @name), sorted, that are not among `used`.
+std::vector<std::string> unused_in(const Hdf5Content& file, const std::string& group,
+                                   const std::set<std::string>& used);
 
 } // namespace bris

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files that one call writes. If it fails they are removed, so that the next one begins anew.
+/// Files that one call writes. If it fails they are removed, so that the next one begins again.
 class NewFiles {
 public:
     NewFiles() = default;
@@ -39,54 +39,157 @@ public:
         return files_.emplace_back(file);
     }
     void keep() { files_.clear(); }
+    void leave(const fs::path& file) { std::erase(files_, file); }
 
 private:
     std::vector<fs::path> files_;
 };
 
+/// The form of a file, and what is known about the file besides.
+struct FoundForm {
+    CsvForm form;
+    double rate = 0;         ///< Hz, that the file states; 0: none
+    bool is_guessed = false; ///< now; otherwise by a map that was there
+};
+
+/// Throws InputError unless the guess has the columns that are needed, and one that is measured.
+void require_columns(const fs::path& csv, const std::vector<KnownColumn>& known,
+                     const GuessedMap& guess) {
+    const auto is_found = [&](const std::string& name) {
+        return std::ranges::count(guess.found, name) > 0;
+    };
+    std::vector<std::string> missing;
+    for (const KnownColumn& column : known)
+        if (column.needed && !is_found(column.name)) missing.push_back(column.name);
+    const bool of_sensors = known.front().name == "t";
+    const std::string advice = of_sensors && std::ranges::count(missing, "id") > 0
+                                   ? "; add what is missing, id with a number for each sensor"
+                                   : "; add what is missing, or write a column map by hand";
+    require(missing.empty(),
+            fmt::format("{}: expected a column that looks like {}, found none "
+                        "among {}{}",
+                        csv.string(), listed(missing), listed(guess.titles), advice));
+    const bool has_linear = std::ranges::any_of(guess.titles, [](const std::string& title) {
+        return title.find("inear") != std::string::npos;
+    });
+    require(
+        !of_sensors || std::ranges::any_of(guess.found,
+                                           [](const std::string& name) {
+                                               return name == "ax" || name == "gx" ||
+                                                      name == "mx" || name == "ux" || name == "qw";
+                                           }),
+        fmt::format("{}: expected columns that look like ax ay az, gx gy gz, mx my mz, ux uy "
+                    "uz or qw qx qy qz, found none among {}{}",
+                    csv.string(), listed(guess.titles),
+                    has_linear ? "; linear acceleration lacks gravity: export acceleration with it"
+                               : "; rename them, or write a column map by hand"));
+}
+
 /// The form of the file by the map that is there, which somebody may have corrected, or else by one
-/// that is guessed and written. Throws InputError if a needed column is missing.
-CsvForm form_of(const fs::path& csv, const std::vector<KnownColumn>& known, const fs::path& map,
-                NewFiles& files, std::string& text) {
+/// that is guessed and written. Throws InputError if a needed column is missing, or a unit has to
+/// be given: then the map is kept to be edited.
+FoundForm form_of(const fs::path& csv, const std::vector<KnownColumn>& known, const fs::path& map,
+                  const FileEvidence& evidence, NewFiles& files, std::string& text) {
     text += fmt::format("{}:\n", csv.filename().string());
     if (fs::exists(map)) {
         text += fmt::format("  The columns are those of {}, which is kept.\n", map.string());
-        return read_column_map(map, known);
+        return {read_column_map(map, known)};
     }
-    const GuessedMap guess = guess_columns(csv, known);
+    const GuessedMap guess = guess_columns(csv, known, evidence);
     for (const std::string& note : guess.notes) text += "  " + note + "\n";
-    for (const KnownColumn& column : known)
-        require(!column.needed || std::ranges::count(guess.found, column.name) > 0,
-                fmt::format("{}: expected a column that looks like {}, found none; {}",
-                            csv.string(), column.name,
-                            column.name == "id"
-                                ? "add a column id with a number for each sensor"
-                                : "write a column map by hand (assets/smartrock/README.md)"));
-    write_whole(files.add(map), fmt::format("# Guessed from {}: check names, units and signs.\n{}",
-                                            csv.filename().string(), guess.map));
-    return read_column_map(map, known);
+    require_columns(csv, known, guess);
+    const std::string content = fmt::format("# Guessed from {}: check names, units and signs.\n{}",
+                                            csv.filename().string(), guess.map);
+    if (!guess.open.empty()) {
+        write_whole(map, content);
+        throw InputError(fmt::format("{}: expected a unit for each column, found none for {}; give "
+                                     "them in {} in place of \"?\"",
+                                     csv.string(), listed(guess.open), map.string()));
+    }
+    write_whole(files.add(map), content);
+    return {read_column_map(map, known), guess.rate, true};
+}
+
+/// Hz, by the times. Throws InputError if they do not advance as those of a sensor do.
+double rate_of(const fs::path& csv, const Recording& recording) {
+    constexpr double most = 1e6; // Hz
+    std::vector<double> intervals;
+    for (std::size_t k = 1; k < recording.size(); ++k)
+        if (const double interval = recording.time[k] - recording.time[k - 1];
+            std::isfinite(interval))
+            intervals.push_back(interval);
+    const double interval = intervals.empty() ? 0 : median(std::move(intervals));
+    require(interval > 1 / most,
+            fmt::format("{}: sensor {}: expected times that advance by more than {:g} s, found {}",
+                        csv.string(), recording.info.id, 1 / most,
+                        recording.size() < 2 ? "fewer than two"
+                                             : fmt::format("intervals of {:g} s", interval)));
+    return 1 / interval;
+}
+
+/// Median of the first samples of the specific force; zero: none.
+Vec3 first_force(const Recording& recording) {
+    const std::size_t count = std::min<std::size_t>(recording.force.size(), 100);
+    if (count == 0) return Vec3::Zero();
+    return median(std::vector<Vec3>(recording.force.begin(),
+                                    recording.force.begin() + static_cast<std::ptrdiff_t>(count)));
 }
 
 /// Metadata of a sensor as far as its samples show them.
-SensorInfo info_of(const Recording& recording) {
+SensorInfo info_of(const fs::path& csv, const Recording& recording) {
     SensorInfo info = recording.info;
-    std::vector<double> intervals;
-    for (std::size_t k = 1; k < recording.size(); ++k)
-        if (const double interval = recording.time[k] - recording.time[k - 1]; interval > 0)
-            intervals.push_back(interval);
-    if (!intervals.empty()) info.sampling_rate = 1 / median(intervals);
+    info.sampling_rate = rate_of(csv, recording);
     for (const Quat& q : recording.attitude)
         if (std::abs(q.norm() - 1) < 1e-3) {
             info.set_pose(info.position(), q);
             return info;
         }
-    const std::size_t start = std::min<std::size_t>(recording.force.size(), 100);
-    const std::vector<Vec3> first(recording.force.begin(),
-                                  recording.force.begin() + static_cast<std::ptrdiff_t>(start));
-    if (start == 0) return info;
-    if (const Vec3 up = median(first); up.allFinite() && up.norm() > 0)
+    if (const Vec3 up = first_force(recording); up.allFinite() && up.norm() > 0)
         info.set_pose(info.position(), Quat::FromTwoVectors(up, Vec3::UnitZ()));
     return info;
+}
+
+/// What contradicts the units, a sentence a line: gravity, the rate that the file states, and the
+/// clock of the machine.
+std::string doubts(const std::vector<Recording>& recordings, double stated_rate,
+                   const FileEvidence& evidence) {
+    std::string text;
+    for (const Recording& r : recordings) {
+        if (r.size() < 2) continue;
+        const double force = first_force(r).norm(), span = r.time.back() - r.time.front(),
+                     rate = static_cast<double>(r.size() - 1) / span;
+        const auto doubt = [&](const std::string& what) {
+            text += fmt::format("  Check the units: sensor {}: {}.\n", r.info.id, what);
+        };
+        if (!r.force.empty() && std::abs(force / standard_gravity - 1) > 0.3)
+            doubt(
+                fmt::format("the acceleration at the beginning is {:.3g} m/s2, that of gravity is "
+                            "9.81, which an accelerometer at rest shows",
+                            force));
+        if (stated_rate > 0 && (rate < 0.5 * stated_rate || rate > 2 * stated_rate))
+            doubt(fmt::format("{:.4g} samples a second by the times, {:g} by the file", rate,
+                              stated_rate));
+        if (evidence.duration > 0 &&
+            (span < 0.2 * evidence.duration || span > 5 * evidence.duration))
+            doubt(fmt::format("{:.4g} s by its times, {:.4g} s by the machine", span,
+                              evidence.duration));
+    }
+    return text;
+}
+
+/// Reads the machine's file, for what it shows about the sensors.
+void add_evidence(const fs::path& csv, const CsvForm& form, FileEvidence& evidence) {
+    const CsvTable table = read_csv(csv, form);
+    const auto finite = [&](const char* name) {
+        std::vector<double> numbers = table.column(name);
+        std::erase_if(numbers, [](double x) { return !std::isfinite(x); });
+        return numbers;
+    };
+    if (const auto strain = finite("axial_strain"); !strain.empty())
+        evidence.final_strain = std::ranges::max(strain);
+    if (!table.has("t")) return;
+    if (const auto t = finite("t"); !t.empty())
+        evidence.duration = std::ranges::max(t) - std::ranges::min(t);
 }
 
 /// Whether all recordings have attitudes.
@@ -125,20 +228,33 @@ std::string write_new_recordings(const NewRecordings& s) {
     files.add(csv);
     if (!s.machine.empty()) files.add(of_test / "test.csv");
     const fs::path map = s.folder / "columns.txt", machine_map = s.folder / "machine_columns.txt";
-    const CsvForm form = form_of(s.sensors, recording_columns(), map, files, text);
-    const auto recordings = read_recordings(s.sensors, infos_in(s.sensors, form), form);
+    FileEvidence evidence{.pressure = s.pressure};
     if (!s.machine.empty())
-        (void)form_of(s.machine, machine_columns(), machine_map, files, machine);
+        add_evidence(
+            s.machine,
+            form_of(s.machine, machine_columns(), machine_map, evidence, files, machine).form,
+            evidence);
+    const FoundForm found = form_of(s.sensors, recording_columns(), map, evidence, files, text);
+    std::size_t there = 0; // somebody may have completed them
+    std::vector<Recording> recordings;
+    try {
+        recordings = read_recordings(s.sensors, infos_in(s.sensors, found.form), found.form);
+        for (const Recording& r : recordings) {
+            const fs::path file = s.folder / fmt::format("rock_{:02}.txt", r.info.id);
+            if (fs::exists(file))
+                ++there;
+            else
+                write_sensor_info(files.add(file), info_of(s.sensors, r));
+        }
+    } catch (const InputError& e) {
+        if (!found.is_guessed) throw;
+        files.leave(map);
+        throw InputError(fmt::format("{}; the columns are guessed, and {} is kept to be corrected",
+                                     e.what(), map.string()));
+    }
+    text += doubts(recordings, found.rate, evidence);
     write_whole(csv, read_whole(s.sensors));
     if (!s.machine.empty()) write_whole(of_test / "test.csv", read_whole(s.machine));
-    std::size_t there = 0; // somebody may have completed them
-    for (const Recording& r : recordings) {
-        const fs::path file = s.folder / fmt::format("rock_{:02}.txt", r.info.id);
-        if (fs::exists(file))
-            ++there;
-        else
-            write_sensor_info(files.add(file), info_of(r));
-    }
     files.keep();
     if (there > 0)
         text += fmt::format("{} files rock_NN.txt were there already, and are kept.\n", there);

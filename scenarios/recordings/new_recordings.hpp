@@ -17,8 +17,9 @@ struct NewRecordings {
 /// columns.txt with the guessed column map, rock_NN.txt for each sensor id (sampling rate from the
 /// times, attitude as recorded or from the direction of gravity, all else as of a usual sensor),
 /// and for the machine 55kPa/test.csv and machine_columns.txt. Returns what was guessed and what is
-/// still to be given, a sentence a line. Throws InputError if a column that is needed is not found,
-/// or if the folder holds recordings already; OutputError.
+/// still to be given, a sentence a line. Throws InputError, naming the columns of the file, if one
+/// that is needed is not found; if a unit has to be given (the column map is kept, with "?" in its
+/// place); if times do not advance; or if the folder holds recordings already. OutputError.
 std::string write_new_recordings(const NewRecordings& settings);
 
 } // namespace bris

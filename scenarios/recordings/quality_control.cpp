@@ -1,6 +1,7 @@
 #include "scenarios/recordings/quality_control.hpp"
 
 #include "engine/estimation/linear_fit.hpp"
+#include "engine/io/csv.hpp"
 #include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/recordings/inspection.hpp"
 
@@ -22,9 +23,14 @@ public:
 
     void run() {
         check_flags(at_);
+        if (!r_.unused.empty()) at_.findings.push_back(note_on_unused(r_.info.id, r_.unused));
         if (r_.size() < 2)
             return refuse("length",
                           fmt::format("expected at least two samples, found {}", r_.size()));
+        if (r_.force.empty() && r_.rate.empty() && r_.field.empty() && r_.displacement.empty() &&
+            r_.attitude.empty())
+            return refuse("channels", "expected at least one of ax ay az, gx gy gz, mx my mz, "
+                                      "ux uy uz and qw qx qy qz, found none");
         if (!check_numbers() || !check_times() || !has_possible_strain(at_))
             return; // further checks would be meaningless
         at_.find_rest();
@@ -98,6 +104,7 @@ private:
     bool check_times() {
         const double nominal = 1 / r_.info.sampling_rate;
         std::size_t backwards = 0, twice = 0;
+        std::vector<double> gaps;
         double widest = 0, squares = 0;
         for (std::size_t k = 1; k < r_.size(); ++k) {
             const double gap = r_.time[k] - r_.time[k - 1];
@@ -105,6 +112,7 @@ private:
                 gap < 0 || (!r_.sequence.empty() && r_.sequence[k] < r_.sequence[k - 1]));
             twice += static_cast<std::size_t>(
                 gap == 0 || (!r_.sequence.empty() && r_.sequence[k] == r_.sequence[k - 1]));
+            gaps.push_back(gap);
             widest = std::max(widest, gap);
             const double jitter = gap - nominal * std::max(1.0, std::round(gap / nominal));
             squares += jitter * jitter;
@@ -117,6 +125,12 @@ private:
         if (twice > 0)
             refuse("twice", fmt::format("expected each sample once, found {} repeated", twice));
         if (backwards + twice > 0) return false;
+        if (const double usual = median(std::move(gaps)); usual < 0.5 * nominal) {
+            refuse("rate", fmt::format("expected {:.4g} samples a second (sampling_rate), found "
+                                       "{:.4g} by the times: is t in another unit?",
+                                       1 / nominal, 1 / usual));
+            return false;
+        }
         const double lost =
             1 - steps / std::max(steps, (r_.time.back() - r_.time.front()) / nominal);
         if (lost > limits_.lost)
@@ -285,6 +299,17 @@ std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, 
     compare_turns(recordings, limits, findings);
     compare_displacements(recordings, findings);
     return findings;
+}
+
+Finding note_on_unused(unsigned sensor, const std::vector<std::string>& fields) {
+    constexpr std::size_t most = 10;
+    const std::size_t shown = std::min(fields.size(), most);
+    const std::string names =
+        listed({fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(shown)}) +
+        (shown < fields.size() ? ", ..." : "");
+    return {Finding::Kind::note, sensor, "fields",
+            fmt::format("{} of the file {} not used: {}", fields.size(),
+                        fields.size() == 1 ? "is" : "are", names)};
 }
 
 bool accepted(const std::vector<Finding>& findings, unsigned sensor) {

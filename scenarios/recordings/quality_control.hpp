@@ -81,6 +81,9 @@ void compare_strain(const std::vector<Recording>& recordings,
                     const std::vector<TriaxialPoint>& measured, const MachineClock& clock,
                     std::vector<Finding>& findings);
 
+/// A note that these fields of a file are not used; `sensor`: whose file it is.
+Finding note_on_unused(unsigned sensor, const std::vector<std::string>& fields);
+
 /// Whether the findings contain no refusal of this sensor.
 bool accepted(const std::vector<Finding>& findings, unsigned sensor);
 

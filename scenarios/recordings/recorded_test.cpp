@@ -19,6 +19,11 @@ namespace bris {
 
 namespace {
 
+constexpr std::size_t most_rings = 64;
+
+/// Name of the column of a ring, counted from 1.
+std::string column_of_ring(std::size_t ring) { return fmt::format("ring_{}_radius_m", ring); }
+
 /// Fills a clock from a column of the machine, if there is one.
 void read_clock(const CsvTable& table, const char* name, const std::vector<double>& strain,
                 std::map<double, double>& strain_at) {
@@ -44,8 +49,14 @@ Bench read_test(const std::filesystem::path& csv, const CsvForm& form) {
                             ? table.column("volumetric_strain")
                             : std::vector<double>(strain.size(), std::nan(""));
     std::vector<std::vector<double>> rings;
-    for (std::size_t r = 1; table.has(fmt::format("ring_{}_radius_m", r)); ++r)
-        rings.push_back(table.column(fmt::format("ring_{}_radius_m", r)));
+    for (std::size_t r = 1; r <= most_rings; ++r) {
+        if (!table.has(column_of_ring(r))) continue;
+        require(rings.size() == r - 1,
+                fmt::format("{}: expected a column {} before {}, found none", csv.string(),
+                            column_of_ring(rings.size() + 1), column_of_ring(r)));
+        rings.push_back(table.column(column_of_ring(r)));
+    }
+    test.unused = table.others(titles_of(machine_columns(), form));
     for (std::size_t k = 0; k < strain.size(); ++k) {
         const std::string at = fmt::format("{}:{}", csv.string(), table.lines[k]);
         require(
@@ -165,7 +176,8 @@ std::vector<Recording> recordings_of(const std::filesystem::path& of_test,
                                      const std::filesystem::path& map) {
     const auto hdf5 = of_test / "recordings.h5", csv = of_test / "recordings.csv";
     if (!std::filesystem::exists(hdf5))
-        return read_mapped("--columns", map, recording_columns(),
+        return read_mapped("--columns", map_to_use(map, of_test.parent_path() / "columns.txt"),
+                           recording_columns(),
                            [&](const CsvForm& form) { return read_recordings(csv, infos, form); });
     if (std::filesystem::exists(csv)) refuse_both(of_test, "recordings.csv", "recordings.h5");
     require_no_map("--columns", map, hdf5, "recordings.csv");
@@ -177,8 +189,9 @@ Bench bench_of(const std::filesystem::path& of_test, double pressure,
     const auto hdf5 = of_test / "recordings.h5", csv = of_test / "test.csv";
     const bool in_hdf5 = std::filesystem::exists(hdf5);
     if (!in_hdf5 || (std::filesystem::exists(csv) && !has_bench(hdf5)))
-        return read_mapped("--machine-columns", map, machine_columns(),
-                           [&](const CsvForm& form) { return read_test(csv, form); });
+        return read_mapped(
+            "--machine-columns", map_to_use(map, of_test.parent_path() / "machine_columns.txt"),
+            machine_columns(), [&](const CsvForm& form) { return read_test(csv, form); });
     if (std::filesystem::exists(csv)) refuse_both(of_test, "test.csv", "/bench in recordings.h5");
     require_no_map("--machine-columns", map, hdf5, "test.csv");
     return naming("--recordings", [&] { return read_bench(hdf5, pressure); });
@@ -209,8 +222,8 @@ const std::vector<KnownColumn>& machine_columns() {
             {"volumetric_strain", Units{{"1"}, {"%", 0.01}}},
             {"t", Units{{"s"}, {"ms", 1e-3}, {"min", 60}, {"h", 3600}}},
             {"phase", Units{{"cycles"}, {"deg", 1.0 / 360}, {"rad", 0.5 / pi}}}};
-        for (int ring = 1; ring <= 64; ++ring)
-            columns.push_back({fmt::format("ring_{}_radius_m", ring), Units{{"m"}, {"mm", 1e-3}}});
+        for (std::size_t ring = 1; ring <= most_rings; ++ring)
+            columns.push_back({column_of_ring(ring), Units{{"m"}, {"mm", 1e-3}}});
         return columns;
     }();
     return all;
@@ -256,6 +269,8 @@ void examine(RecordedTest& test, const QualityControlSettings& settings) {
     limits.rest = settings.rest;
     test.trajectories.clear();
     test.findings = synchronise(test.recordings, test.clock, settings.interval);
+    if (!test.unused_of_machine.empty())
+        test.findings.push_back(note_on_unused(test_machine, test.unused_of_machine));
     const auto of_sensors = check_recordings(test.recordings, Vec3(0, 0, -9.81), limits);
     test.findings.insert(test.findings.end(), of_sensors.begin(), of_sensors.end());
     const auto of_machine = check_machine(test.measured, test.pressure);
@@ -278,6 +293,7 @@ RecordedTest read_recorded_test(const std::filesystem::path& folder, double pres
     Bench bench = bench_of(of_test, pressure, settings.machine_columns);
     test.measured = std::move(bench.points);
     test.clock = std::move(bench.clock);
+    test.unused_of_machine = std::move(bench.unused);
     examine(test, settings);
     return test;
 }

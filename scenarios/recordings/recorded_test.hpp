@@ -26,7 +26,8 @@ struct RecordedTest {
     /// Strain, q, volumetric strain and ring radii; NaN: not measured, or removed by quality
     /// control.
     std::vector<TriaxialPoint> measured;
-    MachineClock clock; ///< for sensors that do not record strain
+    MachineClock clock;                         ///< for sensors that do not record strain
+    std::vector<std::string> unused_of_machine; ///< fields of its file that are no measurement
     /// Number of sensors that were refused.
     std::size_t refused() const;
 };
@@ -36,7 +37,8 @@ struct QualityControlSettings {
     double rest = 60;       ///< s at the beginning during which the rocks are at rest
     double interval = 1e-3; ///< axial strain between samples
     bool displacement = true, attitude = true; ///< whether these channels are used if recorded
-    /// Column maps of recordings.csv and test.csv (column_map.hpp); empty: the format of BRIS.
+    /// Column maps of recordings.csv and test.csv (column_map.hpp); empty: columns.txt and
+    /// machine_columns.txt in the folder or, where they are not there, the format of BRIS.
     std::filesystem::path columns = {}, machine_columns = {};
 };
 

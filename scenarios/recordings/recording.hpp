@@ -119,6 +119,7 @@ struct Recording {
     /// By channel: location (file and line) of the first sample, not left out, without a finite
     /// number.
     std::map<std::string, std::string> first_without;
+    std::vector<std::string> unused; ///< fields of the file that are no channel, by their names
     std::size_t size() const { return time.size(); }
     /// Stores the location as first_without if one of the numbers is not finite.
     void look_for_numbers(const char* channel, const auto& numbers, const std::string& where) {
@@ -136,9 +137,9 @@ const std::vector<KnownColumn>& recording_columns();
 
 /// Reads the recordings of several SmartRocks from one CSV file with a row for each sample. Columns
 /// t and id; optional: ax ay az, gx gy gz, mx my mz, ux uy uz, qw qx qy qz, temp, batt, seq, flags,
-/// strain and phase; others are ignored. A unit given by `form` replaces that of the metadata.
-/// Throws InputError with file:line, also for rows of an id without metadata and for vectors with a
-/// missing column.
+/// strain and phase; others are ignored, whatever they hold. A unit given by `form` replaces that
+/// of the metadata. Throws InputError with file:line, also for rows of an id without metadata and
+/// for vectors with a missing column.
 std::vector<Recording> read_recordings(const std::filesystem::path& csv,
                                        const std::vector<SensorInfo>& sensors);
 std::vector<Recording> read_recordings(const std::filesystem::path& csv,
@@ -151,7 +152,8 @@ void write_recordings(const std::filesystem::path& csv, const std::vector<Record
 
 /// Reads and writes the same as one HDF5 file: /sensors/ID/time; optional: accel (n x 3), gyro,
 /// mag, displacement, quat (n x 4: w x y z), temperature, battery, sequence, flags, strain and
-/// phase. The metadata are attributes of /sensors/ID; units given there must be those of `sensors`.
+/// phase; others are ignored. The metadata are attributes of /sensors/ID; units given there, or as
+/// attribute units of a dataset, must be those of `sensors`.
 /// Throws InputError for wrong shapes, ids or units, OutputError if the file cannot be read or
 /// written.
 std::vector<Recording> read_recordings_hdf5(const std::filesystem::path& path,
@@ -194,7 +196,7 @@ void SensorInfo::describe(auto& option) {
                "Rotation from sensor axes to body axes");
     option("force_unit", force_unit, "", "Unit of ax ay az.", {"m/s2", "g"});
     option("rate_unit", rate_unit, "", "Unit of gx gy gz.", {"rad/s", "deg/s"});
-    option("sampling_rate", sampling_rate, "Hz", "Nominal sampling rate.", above(0));
+    option("sampling_rate", sampling_rate, "Hz", "Nominal sampling rate.", above(0, 1e6));
     option("force_range", force_range, "m/s2", "Largest specific force that the sensor measures.",
            above(0));
     option("rate_range", rate_range, "rad/s", "Largest angular rate that the sensor measures.",

@@ -228,6 +228,7 @@ std::vector<Recording> read_recordings(const std::filesystem::path& csv,
         recordings.emplace_back().info = with_units_of(info, form);
     }
     const CsvTable table = read_csv(csv, form);
+    const auto unused = table.others(titles_of(recording_columns(), form));
     const auto time = table.column("t"), id = table.column("id");
     const Columns columns(table);
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
@@ -237,7 +238,10 @@ std::vector<Recording> read_recordings(const std::filesystem::path& csv,
                                          at_line(table, row), id[row]));
         columns.append(row, time[row], recordings[found->second]);
     }
-    for (Recording& r : recordings) reject_flagged(r);
+    for (Recording& r : recordings) {
+        r.unused = unused;
+        reject_flagged(r);
+    }
     return recordings;
 }
 

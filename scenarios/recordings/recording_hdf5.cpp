@@ -1,11 +1,14 @@
 #include "engine/errors.hpp"
 #include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/recordings/hdf5_recordings.hpp"
+#include "scenarios/recordings/unit_words.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <type_traits>
 #include <utility>
 
@@ -59,23 +62,29 @@ struct AttributeReader {
     const std::string& group;
     std::vector<std::string> typed = {};
     void operator()(const std::string& name, unsigned, auto&&...) {
-        add(name, [&] { return fmt::format("{}", number(name)); });
+        add(name, [&] { return number(name); });
     }
     void operator()(const std::string& name, double, auto&&...) {
-        add(name, [&] { return fmt::format("{}", number(name)); });
+        add(name, [&] { return number(name); });
     }
     void operator()(const std::string& name, const std::string&, const std::string&,
                     const std::string&, std::initializer_list<const char*>) {
-        add(name, [&] { return file.text_attribute(group, name); });
+        add(name, [&] {
+            require(file.has_text(group, name),
+                    fmt::format("{}: {}: {}: expected a text, found none", file.path().string(),
+                                group, name));
+            return file.text_attribute(group, name);
+        });
     }
 
 private:
-    double number(const std::string& name) const {
+    std::string number(const std::string& name) const {
+        if (file.has_text(group, name)) return file.text_attribute(group, name);
         const auto& numbers = file.attribute(group, name);
         require(numbers.size() == 1,
                 fmt::format("{}: {}: {}: expected one number, found {}", file.path().string(),
                             group, name, numbers.size()));
-        return numbers.front();
+        return fmt::format("{}", numbers.front());
     }
     void add(const std::string& name, auto&& text) {
         if (!file.has_attribute(group, name)) return;
@@ -93,6 +102,55 @@ std::vector<std::pair<std::string, std::string>> units_of(const SensorInfo& info
     for (const DeviceChannel& channel : device_channels())
         units.emplace_back(fmt::format("{}_unit", channel.dataset), info.*channel.unit);
     return units;
+}
+
+/// The datasets of a sensor with their columns in CSV files, whose first one states the units.
+const std::vector<std::pair<std::string, std::string>>& datasets() {
+    static const auto all = [] {
+        std::vector<std::pair<std::string, std::string>> list{
+            {"time", "t"},          {"accel", "ax"},   {"gyro", "gx"},       {"mag", "mx"},
+            {"displacement", "ux"}, {"quat", "qw"},    {"strain", "strain"}, {"phase", "phase"},
+            {"sequence", "seq"},    {"flags", "flags"}};
+        for (const DeviceChannel& channel : device_channels())
+            list.emplace_back(channel.dataset, channel.column);
+        return list;
+    }();
+    return all;
+}
+
+/// Collects the names of the metadata.
+struct NameCollector {
+    std::set<std::string>& names;
+    void operator()(const std::string& name, auto&&...) { names.insert("@" + name); }
+    void operator()(const std::string& name, const std::string&, const std::string&,
+                    const std::string&, std::initializer_list<const char*>) {
+        names.insert("@" + name);
+    }
+};
+
+std::vector<std::string> unused_of(const Hdf5Content& file, const std::string& own,
+                                   const SensorInfo& info) {
+    std::set<std::string> used;
+    for (const auto& [dataset, column] : datasets()) used.insert(dataset);
+    for (const auto& [name, unit] : units_of(info)) used.insert("@" + name);
+    NameCollector collector{used};
+    SensorInfo named;
+    named.describe(collector);
+    return unused_in(file, own, used);
+}
+
+/// Refuses datasets that state another unit than that of the metadata.
+void require_units(const Hdf5Content& file, const std::string& group, const SensorInfo& info) {
+    std::map<std::string, std::string> units; // by dataset, where not the first of its column
+    for (const auto& [name, unit] : units_of(info))
+        units[name.substr(0, name.size() - std::string("_unit").size())] = unit;
+    for (const auto& [dataset, column] : datasets()) {
+        const auto known = std::ranges::find(recording_columns(), column, &KnownColumn::name);
+        if (known->units.empty()) continue;
+        const auto own = units.find(dataset);
+        require_unit(file, group + dataset,
+                     own == units.end() ? known->units.front().name : own->second, known->units);
+    }
 }
 
 /// Reads counts as doubles: read as integers, a negative number or NaN would become another count.
@@ -131,6 +189,8 @@ Recording read_one(const Hdf5Content& file, const SensorInfo& info) {
         require(found == unit, fmt::format("{}: {}: {}: expected {} as in the metadata, found {}",
                                            file.path().string(), own, name, unit, found));
     }
+    require_units(file, group, info);
+    r.unused = unused_of(file, own, info);
     r.time = times_of(file, group + "time");
     const std::size_t samples = r.size();
     r.sequence = counts_of(file, group + "sequence", samples, false);
@@ -171,6 +231,27 @@ Recording read_one(const Hdf5Content& file, const SensorInfo& info) {
 }
 
 } // namespace
+
+void require_unit(const Hdf5Content& file, const std::string& dataset, const std::string& unit,
+                  const std::vector<ColumnUnit>& units) {
+    for (const char* name : {"units", "unit"}) {
+        if (!file.has_text(dataset, name)) continue;
+        const std::string& found = file.text_attribute(dataset, name);
+        require(found.empty() || unit_named(found, units) == unit,
+                fmt::format("{}: {}: {}: expected {}, in which it is read, found {}",
+                            file.path().string(), dataset, name, unit, found));
+    }
+}
+
+std::vector<std::string> unused_in(const Hdf5Content& file, const std::string& group,
+                                   const std::set<std::string>& used) {
+    std::vector<std::string> unused;
+    for (const std::string& name : file.names(group))
+        if (!used.contains(name)) unused.push_back(name);
+    for (const std::string& name : file.attribute_names(group))
+        if (!used.contains("@" + name)) unused.push_back("@" + name);
+    return unused;
+}
 
 std::vector<SensorInfo> read_sensor_infos_hdf5(const std::filesystem::path& path) {
     return sensor_infos_in(Hdf5Content::read(path, {"/sensors"}, Hdf5Content::Datasets::left_out));

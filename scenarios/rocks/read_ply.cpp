@@ -238,8 +238,8 @@ private:
 } // namespace
 
 Polyhedron read_ply(const std::filesystem::path& path) {
-    const std::string bytes = read_text(path);
-    return closed_surface(PlyReader(path, bytes).read());
+    const std::string bytes = read_whole(path); // may be binary
+    return closed_surface(PlyReader(path, without_mark(bytes)).read());
 }
 
 } // namespace bris

@@ -66,29 +66,50 @@ std::vector<GivenPose> read_sensor_poses(const std::filesystem::path& csv) {
     return poses;
 }
 
+namespace {
+
+/// m, in this mould.
+Vec3 position_in(const SensorRoom& room, const GivenPose& g) {
+    return g.is_relative ? Vec3(g.position.x() * room.radius, g.position.y() * room.radius,
+                                g.position.z() * room.height)
+                         : g.position;
+}
+
+std::string placing_problem(const SensorRoom& room, const std::vector<GivenPose>& given,
+                            std::size_t k) {
+    const Vec3 x = position_in(room, given[k]);
+    if (!(std::hypot(x.x(), x.y()) + 0.9 * room.bounding_radius <= room.radius && x.z() > 0 &&
+          x.z() < room.height))
+        return fmt::format("expected a sensor rock inside the mould (radius {:g} m, height {:g} "
+                           "m), found one of radius {:g} m at ({:g}, {:g}, {:g}) m",
+                           room.radius, room.height, room.bounding_radius, x.x(), x.y(), x.z());
+    if (const double norm = given[k].orientation.norm(); !(std::abs(norm - 1) < 1e-3))
+        return fmt::format("expected a unit quaternion, found one of length {:g}", norm);
+    for (std::size_t other = 0; other < k; ++other)
+        if (const double apart = (position_in(room, given[other]) - x).norm();
+            apart < 1.6 * room.bounding_radius)
+            return fmt::format(
+                "expected sensor rocks clear of each other, found it {:g} m from that of {}", apart,
+                given[other].where);
+    return {};
+}
+
+} // namespace
+
+std::vector<std::string> placing_problems(const SensorRoom& room,
+                                          const std::vector<GivenPose>& given) {
+    std::vector<std::string> problems;
+    for (std::size_t k = 0; k < given.size(); ++k)
+        problems.push_back(placing_problem(room, given, k));
+    return problems;
+}
+
 std::vector<SmartRockPose> placed_in(const SensorRoom& room, const std::vector<GivenPose>& given) {
     std::vector<SmartRockPose> poses;
-    for (const GivenPose& g : given) {
-        const Vec3 x = g.is_relative
-                           ? Vec3(g.position.x() * room.radius, g.position.y() * room.radius,
-                                  g.position.z() * room.height)
-                           : g.position;
-        const double away = std::hypot(x.x(), x.y());
-        require(away + 0.9 * room.bounding_radius <= room.radius && x.z() > 0 &&
-                    x.z() < room.height,
-                fmt::format("{}: expected a sensor rock inside the mould (radius {:g} m, height "
-                            "{:g} m), found one of radius {:g} m at ({:g}, {:g}, {:g}) m",
-                            g.where, room.radius, room.height, room.bounding_radius, x.x(), x.y(),
-                            x.z()));
-        require(std::abs(g.orientation.norm() - 1) < 1e-3,
-                fmt::format("{}: expected a unit quaternion, found one of length {:g}", g.where,
-                            g.orientation.norm()));
-        for (std::size_t k = 0; k < poses.size(); ++k)
-            require((poses[k].position - x).norm() >= 1.6 * room.bounding_radius,
-                    fmt::format("{}: expected sensor rocks clear of each other, found it {:g} m "
-                                "from that of {}",
-                                g.where, (poses[k].position - x).norm(), given[k].where));
-        poses.push_back({x, g.orientation.normalized()});
+    for (std::size_t k = 0; k < given.size(); ++k) {
+        const std::string problem = placing_problem(room, given, k);
+        require(problem.empty(), fmt::format("{}: {}", given[k].where, problem));
+        poses.push_back({position_in(room, given[k]), given[k].orientation.normalized()});
     }
     return poses;
 }

@@ -43,8 +43,12 @@ struct GivenPose {
 /// z_over_height, qw, qx, qy, qz (a unit quaternion, principal axes to world). Throws InputError.
 std::vector<GivenPose> read_sensor_poses(const std::filesystem::path& csv);
 
-/// Places sensor rocks in a mould. Throws InputError for one outside the mould, too close to
-/// another one, or with a quaternion that is not a unit quaternion.
+/// Why sensor rocks cannot be placed in a mould: outside it, too close to one before it, or no unit
+/// quaternion. A text for each pose; empty: it can be placed.
+std::vector<std::string> placing_problems(const SensorRoom& room,
+                                          const std::vector<GivenPose>& given);
+
+/// Places sensor rocks in a mould. Throws InputError with the first of the placing_problems.
 std::vector<SmartRockPose> placed_in(const SensorRoom& room, const std::vector<GivenPose>& given);
 
 } // namespace bris

@@ -89,7 +89,10 @@ void check_test(const Triaxial& t) {
                 (twice == names.end() ? "" : *twice));
 }
 
-TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
+namespace {
+
+/// A scene with the mould for so many sensor rocks, which are not yet placed.
+TriaxialScene scene_for(const Triaxial& t, std::uint64_t seed, std::size_t sensors) {
     const std::vector<Clump> library = clumps_of(t.clumps);
     TriaxialScene s;
     s.smart_rocks = sensor_shapes(t, library);
@@ -98,31 +101,41 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
     s.specimen = t.specimen;
     s.specimen.seed = seed;
     s.specimen.friction = t.test.friction;
-    const auto room_for = [&](std::size_t sensors) {
-        require(sensors < t.bodies,
-                fmt::format("--bodies: expected more than the {} sensor rocks, found {}", sensors,
-                            t.bodies));
-        s.sample = sample_rocks(s.grading, s.clumps, t.bodies - sensors, seed);
-        double solids = s.sample.solid_volume;
-        for (std::size_t k = 0; k < s.smart_rocks.size(); ++k)
-            solids += static_cast<double>(share_of(k, sensors, s.smart_rocks.size())) *
-                      s.smart_rocks[k].volume;
-        const double porosity = std::min(t.test.core_porosity() + wall_porosity(t.bodies), 0.9);
-        s.specimen.radius = radius_for(solids, porosity, s.specimen.sectors);
-        s.specimen.looseness = std::max(1.0, (1 - porosity) / (1 - filled_porosity));
-        s.specimen.height = 4 * s.specimen.radius;
-        return SensorRoom{s.specimen.radius, s.specimen.height, largest_radius(s.smart_rocks)};
-    };
+    require(sensors < t.bodies,
+            fmt::format("--bodies: expected more than the {} sensor rocks, found {}", sensors,
+                        t.bodies));
+    s.sample = sample_rocks(s.grading, s.clumps, t.bodies - sensors, seed);
+    double solids = s.sample.solid_volume;
+    for (std::size_t k = 0; k < s.smart_rocks.size(); ++k)
+        solids += static_cast<double>(share_of(k, sensors, s.smart_rocks.size())) *
+                  s.smart_rocks[k].volume;
+    const double porosity = std::min(t.test.core_porosity() + wall_porosity(t.bodies), 0.9);
+    s.specimen.radius = radius_for(solids, porosity, s.specimen.sectors);
+    s.specimen.looseness = std::max(1.0, (1 - porosity) / (1 - filled_porosity));
+    s.specimen.height = 4 * s.specimen.radius;
+    return s;
+}
+
+SensorRoom room_in(const TriaxialScene& s) {
+    return {s.specimen.radius, s.specimen.height, largest_radius(s.smart_rocks)};
+}
+
+} // namespace
+
+TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
     const auto given =
         t.sensor_poses.empty() ? t.recorded_poses : read_sensor_poses(t.sensor_poses);
-    if (!given.empty()) {
-        s.poses = placed_in(room_for(given.size()), given);
-    } else {
-        const std::size_t sensors = smart_rock_count(room_for(10));
-        s.poses = smart_rock_poses(room_for(sensors), seed, sensors);
-    }
+    const std::size_t sensors =
+        given.empty() ? smart_rock_count(room_in(scene_for(t, seed, 10))) : given.size();
+    TriaxialScene s = scene_for(t, seed, sensors);
+    s.poses =
+        given.empty() ? smart_rock_poses(room_in(s), seed, sensors) : placed_in(room_in(s), given);
     require_wide(t, s, seed);
     return s;
+}
+
+std::vector<std::string> problems_of_recorded_poses(const Triaxial& t, std::uint64_t seed) {
+    return placing_problems(room_in(scene_for(t, seed, t.recorded_poses.size())), t.recorded_poses);
 }
 
 void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,

@@ -28,6 +28,27 @@ struct Triaxial {
     std::vector<GivenPose> recorded_poses = {};
     unsigned frame_stages = 10;
 
+    /// The options that the size of the specimen follows from.
+    void describe_mould(auto& option) {
+        option("bodies", bodies, "", "Number of rocks, sensor rocks included.", within(20, 1e6));
+        option("grading", grading, "", help_grading);
+        option("clumps", clumps, "", help_clumps);
+        option(
+            "preparation", test.preparation, "",
+            "Density of the specimen, unless --porosity gives it: laboratory, a core porosity of "
+            "0.38, with a response like that of ballast in laboratories; report, 0.32, that of "
+            "the SmartRock report, taken as that of the core.",
+            {"laboratory", "report"});
+        option("porosity", test.porosity, "",
+               "Porosity of the core (0.6 of the radius, middle half of the height) at the start "
+               "of shearing; 0: that of --preparation.",
+               within(0, 0.6));
+        option(
+            "sensor_shape", sensor_shape, "",
+            "Shape of the sensor rocks: a clump of --clumps or of assets/clumps or the path of a "
+            "file, or several that the sensor rocks take in turn, as "
+            "rock_01,rock_02,rock_03,cube.");
+    }
     void describe(auto& option) {
         option.group("Test");
         option("confining_pressure", confining_pressure, "Pa",
@@ -48,23 +69,11 @@ struct Triaxial {
                "pressure is the same at all heights (the weight of 400 rocks is 5 kPa at the "
                "bottom).");
         option.group("Specimen");
-        option("bodies", bodies, "", "Number of rocks, sensor rocks included.", within(20, 1e6));
+        describe_mould(option);
         option("least_diameter", least_diameter, "",
                "Smallest diameter of the specimen over the size of its largest rock; fewer rocks "
                "are refused. Laboratories ask for 6.",
                within(1, 100));
-        option("grading", grading, "", help_grading);
-        option("clumps", clumps, "", help_clumps);
-        option(
-            "preparation", test.preparation, "",
-            "Density of the specimen, unless --porosity gives it: laboratory, a core porosity of "
-            "0.38, with a response like that of ballast in laboratories; report, 0.32, that of "
-            "the SmartRock report, taken as that of the core.",
-            {"laboratory", "report"});
-        option("porosity", test.porosity, "",
-               "Porosity of the core (0.6 of the radius, middle half of the height) at the start "
-               "of shearing; 0: that of --preparation.",
-               within(0, 0.6));
         option("porosity_tolerance", test.porosity_tolerance, "",
                "Largest difference from the porosity at which it counts as reached.",
                within(1e-4, 0.1));
@@ -86,11 +95,6 @@ struct Triaxial {
         option("longest_preparation", test.longest_preparation, "",
                "Number of steps after which the preparation fails if the porosity is not reached.",
                within(1, 1e9));
-        option(
-            "sensor_shape", sensor_shape, "",
-            "Shape of the sensor rocks: a clump of --clumps or of assets/clumps or the path of a "
-            "file, or several that the sensor rocks take in turn, as "
-            "rock_01,rock_02,rock_03,cube.");
         option("sensor_poses", sensor_poses, "",
                "CSV file with the poses of the sensor rocks. Without it there are ten at three "
                "heights, or 7 or 3 in a small specimen.");
@@ -179,6 +183,9 @@ void refuse_friction(const Triaxial& settings);
 /// The test with the poses of the sensor rocks that a folder of recordings gives. Throws InputError
 /// and OutputError.
 Triaxial with_recorded_poses(Triaxial test, const std::filesystem::path& recordings);
+
+/// Why the model of the test cannot take its recorded_poses: a text for each; empty: it can.
+std::vector<std::string> problems_of_recorded_poses(const Triaxial& test, std::uint64_t seed);
 
 /// Throws InputError unless there are as many descriptions of sensors as sensor rocks in the model.
 void require_sensor_for_each(const std::vector<SmartRockPose>& poses,

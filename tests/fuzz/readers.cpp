@@ -8,6 +8,7 @@
 #include "engine/options.hpp"
 #include "engine/random.hpp"
 #include "scenarios/ballast_box/train.hpp"
+#include "scenarios/recordings/guess_columns.hpp"
 #include "scenarios/recordings/hdf5_recordings.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/recordings/recording.hpp"
@@ -21,6 +22,7 @@
 #include "scenarios/stream/sensor_payload.hpp"
 #include "scenarios/stream/stream_log.hpp"
 #include "systems/fields/vdb_file.hpp"
+#include "tests/engine/io/encoded.hpp"
 
 #include <fmt/format.h>
 
@@ -64,6 +66,14 @@ Texts column_maps(const fs::path&, const fs::path&) {
             "t = \"Time [ms]\", ms\nid = Nr\nax = -AccY, mg\nay = AccX, g\naz = AccZ, m/s2\n",
             "# a comment\ncomment = %\ndelimiter = tab\nt = Time, s\nid = device\n"
             "temp = T, C\ngx = wx, deg/s\ngy = wy, deg/s\ngz = wz, deg/s\n"};
+}
+
+Texts foreign_files(const fs::path&, const fs::path&) {
+    return {
+        "Logger; rate 200 Hz\nTime [ms];Node;Acc X [g];Acc Y [g];Acc Z [g];Gyro_X [\xb0/s];Note\n"
+        "0;1;0,01;0,02;-0,99;0,1;a\n5;1;0,01;0,02;-0,99;0,1;\n",
+        testing::encoded("t,id,ax,ay,az\n1,2,0,0,9.8\n2,2,0,0,9.8\n", "UTF-16LE"),
+        "time,id,ax,ay,az,temp\n,,m/s2,m/s2,m/s2,C\n0.5,2,0,0,9.8,20\n1.0,2,0,0,9.8,20\n"};
 }
 
 Texts payloads(const fs::path&, const fs::path&) {
@@ -275,6 +285,8 @@ constexpr std::array readers{
                  [](const fs::path& file) { (void)read_column_map(file, recording_columns()); }},
     FuzzedReader{"recordings", ".csv", recordings,
                  [](const fs::path& file) { (void)read_recordings(file, sensors()); }},
+    FuzzedReader{"guess", ".csv", foreign_files,
+                 [](const fs::path& file) { (void)guess_columns(file, recording_columns()); }},
     FuzzedReader{"sensor", ".txt",
                  [](const fs::path& assets, const fs::path&) -> Texts {
                      return {read_whole(assets / "smartrock/rock_01.txt")};

@@ -2,6 +2,7 @@
 #include "engine/io/hdf5_content.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/random.hpp"
+#include "tests/engine/io/foreign_text.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -61,6 +62,33 @@ TEST_SUITE("engine/io/hdf5_content") {
             Hdf5Content::read(directory / "a.h5", {"/sensors"}, Hdf5Content::Datasets::left_out);
         CHECK(names.has("/sensors/1/time"));
         CHECK(names.numbers("/sensors/1/time").empty());
+    }
+
+    TEST_CASE("texts as other programs write them are read: of variable length, padded with "
+              "blanks, of datasets, and empty ones") {
+        using testing::ForeignText;
+        const TemporaryDirectory directory;
+        const auto path = directory / "a.h5";
+        sample(path);
+        const auto add = [&](const char* object, const char* name, const char* text,
+                             ForeignText kind) {
+            testing::set_foreign_text(path, object, name, text, kind);
+        };
+        add("/sensors/1", "force_unit", "m/s\u00b2", ForeignText::variable);
+        add("/sensors/1", "none", "", ForeignText::variable);
+        add("/sensors/1", "rate_unit", "deg/s", ForeignText::padded);
+        add("/sensors/1/time", "units", "seconds", ForeignText::variable);
+        const auto content = Hdf5Content::read(path, {"/sensors"});
+        CHECK(content.text_attribute("/sensors/1", "force_unit") == "m/s\u00b2");
+        CHECK(content.text_attribute("/sensors/1", "none") == "");
+        CHECK(content.text_attribute("/sensors/1", "rate_unit") == "deg/s");
+        CHECK(content.text_attribute("/sensors/1", "name") == "sample");
+        CHECK(content.text_attribute("/sensors/1/time", "units") == "seconds");
+        CHECK(content.attribute_names("/sensors/1") ==
+              std::vector<std::string>{"force_unit", "id", "name", "none", "rate_unit"});
+        CHECK(content.has_text("/sensors/1", "force_unit"));
+        CHECK_FALSE(content.has_text("/sensors/1", "id")); // a number
+        CHECK(content.names("/sensors/1") == std::vector<std::string>{"accel", "time"});
     }
 
     TEST_CASE("a file that is missing or none of HDF5 is refused with the reason") {

@@ -1,7 +1,10 @@
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
 #include "scenarios/monitoring/passage.hpp"
+#include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
+#include "tests/engine/io/encoded.hpp"
+#include "tests/scenarios/recordings/sheet.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -61,5 +64,62 @@ TEST_SUITE("monitoring/passage") {
         write_whole(folder / "rock_02.txt", "id = 1\n");
         CHECK(reading(folder).find("rock_02.txt: id: expected another") != std::string::npos);
         CHECK_THROWS_AS((void)read_passages(folder / "none", {}, "--baseline"), OutputError);
+    }
+
+    TEST_CASE(
+        "passages with columns of text, in units that columns.txt states, in another encoding, "
+        "or in single precision have the same features") {
+        using testing::Sheet;
+        const SyntheticVibration settings{.sensors = 2, .lead = 1.2, .duration = 4};
+        const TemporaryDirectory folder;
+        std::vector<Passage> clean;
+        for (unsigned k = 1; k <= 8; ++k)
+            clean.push_back(synthetic_passage(settings, synthetic_state("clean"), 7, k, "clean"));
+        const auto baselines = baselines_of(clean, {});
+        write_passages(folder.path(),
+                       {synthetic_passage(settings, synthetic_state("fouled"), 7, 20, "passage")},
+                       "written");
+        const auto csv = folder / "passage/recordings.csv";
+        const Sheet written = Sheet::read(csv);
+        const auto judged = [&] {
+            return judge_passage(read_passages(folder.path(), {}, "--recordings").front(),
+                                 baselines, {});
+        };
+        const PassageResult before = judged();
+        const auto check_same = [&](double tolerance) {
+            const PassageResult after = judged();
+            for (std::size_t s = 0; s < before.sensors.size(); ++s) {
+                const SensorResult &a = before.sensors[s], &b = after.sensors[s];
+                CHECK(a.verdict == b.verdict);
+                CHECK(a.level_ratio > 0);
+                CHECK(std::abs(a.outlier_share - b.outlier_share) <= tolerance);
+                CHECK(std::abs(a.level_ratio / b.level_ratio - 1) <= tolerance);
+                CHECK(std::abs(a.power_ratio / b.power_ratio - 1) <= tolerance);
+            }
+        };
+        Sheet other = written;
+        other.insert(2, "place", {"\"km 12,4\"", "true", ""});
+        for (const std::string& encoding : testing::encodings()) {
+            write_whole(csv, testing::encoded(other.text(), encoding));
+            check_same(0);
+        }
+        write_whole(folder / "columns.txt",
+                    "delimiter = comma\nt = \"Zeit [\u00b5s]\", us\nid = id\n"
+                    "seq = seq\nax = ax, mg\nay = ay, mg\naz = az, mg\n"
+                    "gx = gx, deg/s\ngy = gy, deg/s\ngz = gz, deg/s\n");
+        other.change([](const std::string& name, double x) {
+            return fmt::format("{}", name == "t"      ? 1e6 * x
+                                     : name[0] == 'a' ? 1e3 * x / standard_gravity
+                                     : name[0] == 'g' ? x * 180 / pi
+                                                      : x);
+        });
+        other.names[0] = "Zeit [\u00b5s]";
+        write_whole(csv, testing::encoded(other.text(), "Latin-1"));
+        check_same(1e-9);
+        std::filesystem::remove(folder / "columns.txt");
+        other = written;
+        other.change(testing::in_single_precision);
+        write_whole(csv, other.text());
+        check_same(1e-5);
     }
 }

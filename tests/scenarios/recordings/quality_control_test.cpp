@@ -154,6 +154,24 @@ TEST_SUITE("recordings/quality_control") {
         CHECK(refuses(r, "length"));
     }
 
+    TEST_CASE("times in another unit than declared, and a recording without any channel, are "
+              "refused; fields that are not used are said once") {
+        Recording r = recording(1);
+        for (double& t : r.time) t *= 1e-3; // ms read as s would be 1e3
+        CHECK(refuses(r, "rate", "found 2e+05 by the times: is t in another unit?"));
+        r = recording(1);
+        r.force.clear();
+        r.rate.clear();
+        CHECK(refuses(r, "channels", "found none"));
+        Recording a = recording(1), b = recording(2);
+        a.unused = b.unused = {"clock", "note"};
+        const auto findings = check_recordings({a, b}, earth);
+        CHECK(accepted(findings, 1));
+        CHECK(quality_control_report(findings, {a, b})
+                  .find("sensors 1, 2: fields: 2 of the file are not used: clock, note\n") !=
+              std::string::npos);
+    }
+
     TEST_CASE("a lasting jump of the displacement is refused, a single outlier is not") {
         Recording r = recording(1);
         Random random(9, 1);

@@ -190,7 +190,8 @@ TEST_SUITE("recordings/recording") {
         CHECK_THROWS_WITH_AS(
             (void)read_sensor_infos_hdf5(path),
             doctest::Contains(
-                "/sensors/1: --sampling-rate: expected a number above 0 (Hz), found \"-5\""),
+                "/sensors/1: --sampling-rate: expected a number above 0 and at most 1000000 "
+                "(Hz), found \"-5\""),
             InputError);
     }
 

@@ -2,11 +2,15 @@
 // recordings from a CSV file of another make.
 
 #include "engine/assets.hpp"
+#include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
+#include "engine/io/hdf5.hpp"
 #include "engine/io/whole_file.hpp"
+#include "scenarios/recordings/bench_hdf5.hpp"
 #include "scenarios/recordings/guess_columns.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "tests/about.hpp"
+#include "tests/engine/io/foreign_text.hpp"
 #include "tests/scenarios/faults/process.hpp"
 
 #include <doctest/doctest.h>
@@ -14,6 +18,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 
 using namespace bris;
 
@@ -129,6 +134,7 @@ TEST_SUITE("recordings/recordings_scenario") {
         CHECK(read_recorded_test(made, 55e3, own, settings).refused() == 10); // without positions
         for (std::size_t k = 0; k < own.size(); ++k) {
             own[k].set_pose(infos[k].position(), own[k].attitude());
+            own[k].set_placed(infos[k].placed_position(), infos[k].placed_attitude());
             write_sensor_info(fs::path(made) / fmt::format("rock_{:02}.txt", own[k].id), own[k]);
         }
         const RecordedTest back = read_recorded_test(made, 55e3, own, settings);
@@ -198,24 +204,27 @@ TEST_SUITE("recordings/recordings_scenario") {
         }));
     }
 
-    TEST_CASE("columns are recognised by usual names, and units without a name by size") {
+    TEST_CASE("columns are recognised by usual names; a file without a table, or without what is "
+              "needed, is refused") {
         const TemporaryDirectory folder;
-        const auto map_of = [&](const std::string& text) {
+        const auto guess_of = [&](const std::string& text) {
             write_whole(folder / "a.csv", text);
-            return guess_columns(folder / "a.csv", recording_columns()).map;
+            return guess_columns(folder / "a.csv", recording_columns());
         };
-        const std::string plain = map_of("time,node,accX,accY,accZ,wx,wy,wz,temp_C\n"
-                                         "0,1,0.01,0.02,-0.99,0,0,0,21\n"
-                                         "0.005,1,0.01,0.02,-0.99,0,0,0,21\n");
+        const std::string plain = guess_of("time,node,accX,accY,accZ,wx_dps,wy_dps,wz_dps,temp_C\n"
+                                           "0,1,0.01,0.02,-0.99,0,0,0,21\n"
+                                           "0.005,1,0.01,0.02,-0.99,0,0,0,21\n")
+                                      .map;
         for (const char* line : {"t = \"time\", s\n", "id = \"node\"\n", "az = \"accZ\", g\n",
-                                 "gx = \"wx\", rad/s\n", "temp = \"temp_C\", C\n"})
+                                 "gx = \"wx_dps\", deg/s\n", "temp = \"temp_C\", C\n"})
             CHECK_MESSAGE(has(plain, line), line << "\n" << plain);
         const std::string tabs =
-            map_of("Time\tID\tX Accel\tY Accel\tZ Accel\tQuat W\tQuat X\tQuat Y\t"
-                   "Quat Z\n5\t2\t10\t-20\t1001\t1\t0\t0\t0\n"
-                   "10\t2\t10\t-20\t1001\t1\t0\t0\t0\n");
+            guess_of("Time/ms\tID\tX Accel\tY Accel\tZ Accel\tQuat W\tQuat X\tQuat Y\t"
+                     "Quat Z\n5\t2\t10\t-20\t1001\t1\t0\t0\t0\n"
+                     "10\t2\t10\t-20\t1001\t1\t0\t0\t0\n")
+                .map;
         for (const char* line :
-             {"delimiter = tab\n", "t = \"Time\", ms\n", "ax = \"X Accel\", mg\n",
+             {"delimiter = tab\n", "t = \"Time/ms\", ms\n", "ax = \"X Accel\", mg\n",
               "qw = \"Quat W\"\n", "qz = \"Quat Z\"\n"})
             CHECK_MESSAGE(has(tabs, line), line << "\n" << tabs);
         write_whole(folder / "map.txt", tabs); // a map that the reader of maps accepts
@@ -223,12 +232,259 @@ TEST_SUITE("recordings/recordings_scenario") {
         const Outcome none = run_process({"recordings", "--new", folder / "a.csv", "--new-machine",
                                           folder / "a.csv", "--out", folder / "out"});
         CHECK(none.code == 2);
-        CHECK(has(none.err, "expected a column that looks like axial_strain, found none"));
-        CHECK_FALSE(fs::exists(folder / "out/55kPa"));
+        CHECK(
+            has(none.err,
+                "expected a column that looks like axial_strain, deviatoric_stress_Pa, found none "
+                "among \"Time/ms\", \"ID\""));
+        CHECK_FALSE(fs::exists(folder / "out"));
         write_whole(folder / "prose.csv", "no table\nat all\n");
         const Outcome prose =
             run_process({"recordings", "--new", folder / "prose.csv", "--out", folder / "out"});
         CHECK(prose.code == 2);
         CHECK(has(prose.err, "expected a line of column names above lines of numbers"));
+    }
+
+    TEST_CASE("the unit of time that a header states is the unit: the sampling rate is right") {
+        const TemporaryDirectory folder;
+        for (const auto& [title, rate] : {std::pair{"Time (seconds)", 1.0 / 12},
+                                          {"Time (milliseconds)", 1e3 / 12},
+                                          {"Time", 1.0 / 12}}) {
+            std::string text = std::string(title) + ",Node,ax,ay,az\n";
+            for (int k = 0; k < 6; ++k) text += fmt::format("{},1,0.01,0.02,9.81\n", 12 * k);
+            write_whole(folder / "a.csv", text);
+            const auto out = folder / fmt::format("out_{}", std::string(title).size());
+            const Outcome outcome =
+                run_process({"recordings", "--new", folder / "a.csv", "--out", out});
+            CAPTURE(outcome.err);
+            REQUIRE(outcome.code == 0);
+            CHECK(read_sensor_info(out / "rock_01.txt").sampling_rate == about(rate));
+        }
+    }
+
+    TEST_CASE("files of loggers and machines that are not read yet are refused in one line with "
+              "their columns and what to add") {
+        const TemporaryDirectory folder;
+        struct Foreign {
+            std::string name, text;
+            std::vector<const char*> said;
+        };
+        const std::vector<Foreign> all{
+            {"one_axis.csv",
+             "Time (-),ACC01_z [g],FRC-01 [kN],INC01 [deg]\n"
+             "2022-11-04 08:36:24.897,0.00000000,230.3573,0.008000\n"
+             "2022-11-04 08:36:24.907,0.00004794,230.8697,0.008000\n",
+             {"looks like t, id, found none among \"Time (-)\" (no numbers), \"ACC01_z [g]\"",
+              "add what is missing"}},
+            {"no_header.csv",
+             "1643200000000,S1:,0.01,0.03,0.99\n1643200000004,S2:,0.02,0.02,1.01\n",
+             {"expected a line of column names", "begin with \"1643200000000,S1:", "add one"}},
+            {"rate.csv",
+             "# Logger data\n# Config: data_rate = 2000.0 Hz, acc_range = 4 g\n"
+             "csvline, accX_g, accY_g, accZ_g, gyrX_dps, gyrY_dps, gyrZ_dps\n"
+             "0,-0.00097,0.02888,1.00401,0.861,-1.484,-0.913\n"
+             "1,0.00738,0.02299,1.00925,1.259,0.659,0.731\n",
+             {"looks like t, id, found none among \"csvline\", \"accX_g\""}},
+            {"machine.csv",
+             "Time [s];Load [kN];Displacement [mm];Volume change [ml]\n"
+             "0,000;0,110;0,000;0,000\n12,000;1,105;0,030;0,380\n",
+             {"looks like id, found none among \"Time [s]\", \"Load [kN]\", \"Displacement "
+              "[mm]\""}},
+            {"phyphox.csv",
+             "\"Time (s)\",\"Acceleration x (m/s^2)\",\"Acceleration y (m/s^2)\","
+             "\"Acceleration z (m/s^2)\",\"Absolute acceleration (m/s^2)\"\n"
+             "0.000000000E+00,-5.89E-02,2.42E-01,9.843473446E+00,9.846638742E+00\n"
+             "5.000000000E-03,-4.11E-02,2.90E-01,9.789824196E+00,9.794230019E+00\n",
+             {"looks like id, found none among \"Time (s)\"", "id with a number for each sensor"}},
+            {"linear.csv",
+             "\"Time (s)\";\"Id\";\"Linear Acceleration x (m/s^2)\";"
+             "\"Linear Acceleration y (m/s^2)\";\"Linear Acceleration z (m/s^2)\"\n"
+             "0,00E+00;1;-5,506E-03;3,512E-01;6,371E-02\n5,00E-03;1;5,164E-02;2,993E-01;-2,35E-"
+             "02\n",
+             {"found none among", "linear acceleration lacks gravity"}},
+            {"nanoseconds.csv",
+             "time,seconds_elapsed,z,y,x\n"
+             "1718600000000000000,0.000000000,9.866262171,0.305691127,-0.052079131\n"
+             "1718600000005000000,0.005000000,9.895091230,0.374294856,0.030029265\n",
+             {"looks like id, found none among \"time\", \"seconds_elapsed\", \"z\""}},
+            {"names.csv",
+             " Time ,Sensor,X-Axis,Y-Axis,Z-Axis\n1641800000000.00,S1:,-0.01,0.02,1.00\n"
+             "1641800000005.00,S2:,0.01,0.03,1.01\n",
+             {"looks like id, found none among \"Time\", \"Sensor\" (no numbers)"}},
+            {"xsens.txt",
+             "// General information: \n//  Update Rate: 100.0Hz\n"
+             "PacketCounter\tSampleTimeFine\tYear\tAcc_X\tAcc_Y\tAcc_Z\tGyr_X\tGyr_Y\tGyr_Z\n"
+             "40000\t\t\t0.03\t0.28\t9.87\t0.034\t-0.014\t-0.031\n"
+             "40001\t\t\t0.04\t0.33\t10.06\t-0.020\t0.015\t-0.043\n",
+             {"looks like t, id, found none among \"PacketCounter\""}},
+            {"blanks.csv",
+             "x y z\n0.033 0.293 9.783\n0.107 0.281 9.924\n",
+             {"looks like t, id, found none among \"x\", \"y\", \"z\""}},
+            {"xyz.csv",
+             "ax,ay,az\n0.007313,0.301245,9.797366\n0.107054,0.347431,9.952947\n",
+             {"looks like t, id, found none among \"ax\", \"ay\", \"az\""}},
+            {"still.csv",
+             "t [s],id,ax,ay,az\n5,1,0,0,9.81\n5,1,0,0,9.81\n",
+             {"sensor 1: expected times that advance by more than 1e-06 s, found intervals of 0 "
+              "s"}},
+            {"back.csv",
+             "t [s],id,ax,ay,az\n5,1,0,0,9.81\n4,1,0,0,9.81\n",
+             {"found intervals of -1 s"}}};
+        for (const Foreign& file : all) {
+            CAPTURE(file.name);
+            write_whole(folder / file.name, file.text);
+            const Outcome outcome =
+                run_process({"recordings", "--new", folder / file.name, "--out", folder / "out"});
+            CHECK(outcome.code == 2);
+            CHECK(is_one_line_of(outcome.err, "recordings"));
+            for (const char* text : file.said)
+                CHECK_MESSAGE(has(outcome.err, text), text << "\n" << outcome.err);
+            CHECK_FALSE(fs::exists(folder / "out/55kPa"));
+            fs::remove_all(folder / "out");
+        }
+        const Outcome machine =
+            run_process({"recordings", "--new", folder / "xyz.csv", "--new-machine",
+                         folder / "machine.csv", "--out", folder / "out"});
+        CHECK(has(machine.err, "looks like axial_strain, deviatoric_stress_Pa, found none among "
+                               "\"Time [s]\", \"Load [kN]\""));
+    }
+
+    TEST_CASE("a unit that is not known is asked: the guessed map is kept, and read when it is "
+              "completed") {
+        const TemporaryDirectory folder;
+        const auto csv = folder / "a.csv", out = folder / "out", map = folder / "out/columns.txt";
+        write_whole(csv, "t [s],id,ax [g],ay [g],az [g],gx [Grad/s],gy [Grad/s],gz [Grad/s]\n"
+                         "0,1,0,0,1,90,0,0\n1,1,0,0,1,90,0,0\n2,1,0,0,1,90,0,0\n");
+        const auto make = [&] { return run_process({"recordings", "--new", csv, "--out", out}); };
+        const Outcome asked = make();
+        CHECK(asked.code == 2);
+        CHECK(is_one_line_of(asked.err, "recordings"));
+        CHECK(has(asked.err, "gx (\"gx [Grad/s]\"): the unit \"Grad/s\" is not known"));
+        CHECK(has(asked.err, "give them in " + map.string()));
+        CHECK_FALSE(fs::exists(out / "55kPa"));
+        std::string text = read_whole(map);
+        CHECK(has(text, "gx = \"gx [Grad/s]\", ?\n#   one of rad/s, mrad/s, deg/s"));
+        const Outcome again = make(); // as it is: the line of the map
+        CHECK(again.code == 2);
+        CHECK(has(again.err, "columns.txt:11: expected a unit of gx"));
+        std::string completed;
+        for (const char c : text) completed += c == '?' ? std::string("deg/s") : std::string(1, c);
+        write_whole(map, completed);
+        const Outcome made = make();
+        CAPTURE(made.err);
+        REQUIRE(made.code == 0);
+        const auto infos = read_sensor_infos(out);
+        const auto recordings = read_recordings(out / "55kPa/recordings.csv", infos,
+                                                read_column_map(map, recording_columns()));
+        CHECK(recordings[0].rate[1].x() == about(pi / 2));
+        CHECK(recordings[0].force[1].z() == about(standard_gravity));
+    }
+
+    TEST_CASE("contradictions between units and what else is known are said") {
+        const TemporaryDirectory folder;
+        write_whole(folder / "a.csv", "# rate 100 Hz\nt [s],id,ax [m/s2],ay [m/s2],az [m/s2]\n"
+                                      "0,1,0,0,1\n1,1,0,0,1\n2,1,0,0,1\n");
+        const Outcome outcome =
+            run_process({"recordings", "--new", folder / "a.csv", "--out", folder / "out"});
+        CHECK(outcome.code == 0); // what is stated holds
+        CHECK(read_sensor_info(folder / "out/rock_01.txt").sampling_rate == about(1));
+        CHECK(has(outcome.out, "sensor 1: the acceleration at the beginning is 1 m/s2"));
+        CHECK(has(outcome.out, "sensor 1: 1 samples a second by the times, 100 by the file"));
+    }
+
+    TEST_CASE("a column of text that nobody asked for is ignored, and named once in the report") {
+        const TemporaryDirectory folder;
+        const fs::path own = folder / "own";
+        fs::create_directories(own);
+        for (int k = 1; k <= 10; ++k)
+            fs::copy(assets_folder() / fmt::format("smartrock/rock_{:02}.txt", k), own);
+        std::string text;
+        std::istringstream in(read_whole(assets_folder() / "smartrock/55kPa/recordings.csv"));
+        for (std::string line; std::getline(in, line);)
+            text += line +
+                    (line.starts_with('#')   ? ""
+                     : line.starts_with('t') ? ",clock"
+                                             : ",12:00:00") +
+                    "\n";
+        write_whole(own / "55kPa/recordings.csv", text);
+        fs::copy(assets_folder() / "smartrock/55kPa/test.csv", own / "55kPa");
+        const Outcome outcome =
+            run_process({"recordings", own, "--out", folder / "out", "--quiet"});
+        CAPTURE(outcome.err);
+        CHECK(outcome.code == 0);
+        CHECK(has(outcome.out, "55kPa: all 10 sensors are accepted; the test machine is accepted"));
+        CHECK(has(read_whole(folder / "out/quality_control.txt"),
+                  "sensors 1 to 10: fields: 1 of the file is not used: clock\n"));
+    }
+
+    TEST_CASE("texts of variable length in HDF5, as h5py writes them, are read as those of fixed "
+              "length, and units of datasets must be those of the metadata") {
+        using testing::ForeignText;
+        const TemporaryDirectory folder;
+        const fs::path own = folder / "in", path = own / "55kPa/recordings.h5";
+        std::vector<double> time, strain, force, accel, confining(20, 55e3);
+        for (int k = 0; k < 20; ++k) {
+            time.push_back(12 * k);
+            strain.push_back(1e-3 * k);
+            force.push_back(1e3 + k);
+            for (const double a : {5.32, 4.90, 6.64}) accel.push_back(a);
+        }
+        Hdf5File file = Hdf5File::create(path);
+        file.write<double>("/sensors/1/time", time);
+        file.write<double>("/sensors/1/strain", strain);
+        file.write<double>("/sensors/1/accel", accel, {20, 3});
+        file.write<double>("/sensors/1/humidity", time);
+        file.set_attribute<std::int64_t>("/sensors/1", "id", 1);
+        for (const auto& [name, numbers] : {std::pair{"time", &time},
+                                            {"strain", &strain},
+                                            {"force", &force},
+                                            {"confining", &confining}})
+            file.write<double>(std::string("/bench/") + name, *numbers);
+        file.set_attribute<double>("/bench", "area", 0.018);
+        file.close();
+        testing::set_foreign_text(path, "/sensors/1", "force_unit", "m/s2", ForeignText::variable);
+        testing::set_foreign_text(path, "/sensors/1", "sampling_rate", "0.08333333",
+                                  ForeignText::variable);
+        testing::set_foreign_text(path, "/sensors/1", "firmware", "1.2.3", ForeignText::variable);
+        testing::set_foreign_text(path, "/sensors/1/time", "units", "seconds",
+                                  ForeignText::variable);
+        const auto infos = read_sensor_infos(own);
+        CHECK(infos[0].force_unit == "m/s2");
+        CHECK(infos[0].sampling_rate == about(0.08333333));
+        const RecordedTest test = read_recorded_test(own, 55e3, infos, {});
+        CHECK(test.recordings[0].force[3].y() == 4.90);
+        CHECK(test.recordings[0].unused == std::vector<std::string>{"humidity", "@firmware"});
+        const Outcome outcome = run_process({"recordings", own, "--out", folder / "out"});
+        CHECK_MESSAGE(outcome.code == 0, outcome.err);
+        // in another unit than that in which it is read
+        testing::set_foreign_text(path, "/sensors/1/accel", "units", "g", ForeignText::variable);
+        CHECK(has(message_of<InputError>([&] { (void)read_recorded_test(own, 55e3, infos, {}); }),
+                  "/sensors/1/accel: units: expected m/s2, in which it is read, found g"));
+        testing::set_foreign_text(path, "/bench/force", "unit", "kN", ForeignText::padded);
+        CHECK(has(message_of<InputError>([&] { (void)read_bench(path, 55e3); }),
+                  "/bench/force: unit: expected N, in which it is read, found kN"));
+    }
+
+    TEST_CASE("recordings and smart_triaxial refuse the same positions with the same words") {
+        const TemporaryDirectory folder;
+        const fs::path own = folder / "own";
+        fs::copy(assets_folder() / "smartrock", own, fs::copy_options::recursive);
+        SensorInfo third = read_sensor_info(own / "rock_03.txt");
+        third.placed_x = 1.5; // outside, over the radius
+        write_sensor_info(own / "rock_03.txt", third);
+        const Outcome judged = run_process({"recordings", own, "--confining-pressure", "55e3",
+                                            "--out", folder / "judged", "--quiet"}),
+                      refused = run_process({"smart_triaxial", "--recordings", own, "--out",
+                                             folder / "refused", "--quiet"});
+        CHECK(judged.code == 0);
+        CHECK(has(judged.out, "55kPa: 9 of 10 sensors are accepted, refused: sensor 3"));
+        const std::string report = read_whole(folder / "judged/quality_control.txt"),
+                          start = "sensor 3: refused: position: ";
+        const auto at = report.find(start);
+        REQUIRE(at != std::string::npos);
+        const std::string reason =
+            report.substr(at + start.size(), report.find('\n', at) - at - start.size());
+        CHECK(has(reason, "expected a sensor rock inside the mould"));
+        CHECK(refused.code == 2);
+        CHECK(has(refused.err, reason));
     }
 }
