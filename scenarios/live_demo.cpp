@@ -9,6 +9,7 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/monitoring/local_broker.hpp"
+#include "scenarios/monitoring/published_numbers.hpp"
 #include "scenarios/monitoring/recording_replay.hpp"
 #include "scenarios/recordings/recorded_stream.hpp"
 
@@ -26,7 +27,8 @@ namespace {
 struct Demo {
     std::filesystem::path recordings = assets_folder() / "smartrock" / "55kPa", history;
     double speed = 20, final_strain = 0.01, start = 0, keep = 0;
-    unsigned bodies = 400, members = 6;
+    std::string preparation = "report"; // as the specimen of the example, which was not tapped
+    unsigned bodies = 400, members = 6, taps = 0;
     std::string host = "127.0.0.1";
     unsigned port = 0;
 
@@ -43,6 +45,12 @@ struct Demo {
                within(0.001, 0.08));
         option("bodies", bodies, "", "Number of rocks in the model, besides the sensor rocks.",
                within(20, 1e5));
+        option("preparation", preparation, "",
+               "Core porosity of the model's specimen, that of the recorded test: report, 0.32, or "
+               "laboratory, 0.38.",
+               {"laboratory", "report"});
+        option("taps", taps, "", "Smallest number of taps with which its preparation ends.",
+               within(0, 1000));
         option("members", members, "", "Number of ensemble members.", within(6, 1000));
         option("host", host, "",
                "Address on which the page and its websockets listen. Anybody who can reach another "
@@ -81,16 +89,10 @@ std::vector<std::string> words_of_model(const Demo& d, const Common& common,
                                    "--compare=false",
                                    "--least-diameter",
                                    "1",
-                                   "--longest-preparation",
-                                   "30000",
-                                   "--porosity",
-                                   "0.5",
-                                   "--porosity-tolerance",
-                                   "0.1",
-                                   "--preparation-friction",
-                                   "0.7",
+                                   "--preparation",
+                                   d.preparation,
                                    "--taps",
-                                   "0",
+                                   std::to_string(d.taps),
                                    "--threads",
                                    std::to_string(common.threads),
                                    "--seed",
@@ -127,7 +129,9 @@ void show_history(const Demo& d, const Common& common, BrokerClient& client) {
         shown += static_cast<std::size_t>(sent);
     }
     client.flush(10);
+    client.signs_of_life()->report("all is shown");
     pause(d.keep);
+    client.signs_of_life()->end();
     Summary summary;
     summary.add("messages_shown", shown);
     report_results(common, summary);
@@ -141,7 +145,11 @@ void run(const Demo& d, const Common& common) {
     BrokerSettings settings;
     settings.address = broker.address();
     if (!d.history.empty()) {
+        settings.run = d.history.stem(); // as the run was called, which its alarms say
         BrokerClient client(settings, "history", {});
+        client.signs_of_life()->report("showing again what passed over the broker, " +
+                                       d.history.string());
+        client.publish("bris/numbers", published_table(), BrokerLink::Delivery::retained);
         return show_history(d, common, client);
     }
     const auto lines = stream_of(d.recordings, 1.2, 12);

@@ -7,9 +7,9 @@
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
+#include "scenarios/monitoring/publisher.hpp"
 #include "scenarios/monitoring/run_broker.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
-#include "scenarios/monitoring/state_publisher.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
 
 #include <fmt/format.h>
@@ -143,6 +143,13 @@ void check_band(const std::vector<SensorBaseline>& baselines, const MonitorSetti
                             b.id, b.rate, s.band_low));
 }
 
+/// Only what was judged as the baseline is an all-clear.
+AlarmState alarm_state(Verdict verdict) {
+    return verdict == Verdict::changed       ? AlarmState::active
+           : verdict == Verdict::as_baseline ? AlarmState::clear
+                                             : AlarmState::unknown;
+}
+
 class MonitorRun {
 public:
     MonitorRun(const Monitor& monitor, const Common& common)
@@ -181,16 +188,17 @@ private:
         broker_.emplace(m_.broker, source, m_.speed, common_);
         run_file_.emplace(Hdf5File::create(common_.out / "monitor.h5"));
         broker_->keep_in(*run_file_);
-        publisher_.emplace(broker_->link());
+        publisher_.emplace(broker_->link(), broker_->name());
+        for (const SensorBaseline& b : baselines_) publisher_->publish(b.id, Alarm{});
+        broker_->report_doing("following " + what_ + ", nothing judged yet");
     }
 
     void publish(const PassageResult& passage) {
         if (!publisher_) return;
         for (const SensorResult& s : passage.sensors) {
             publisher_->publish(
-                {s.id, s.verdict == Verdict::changed, text_of(s.verdict), s.reason, recorded_});
-            publisher_->publish_state({{"sensor", static_cast<double>(s.id)},
-                                       {"recorded_time_s", recorded_},
+                s.id, Alarm{alarm_state(s.verdict), text_of(s.verdict), s.reason, recorded_});
+            publisher_->publish(s.id, {{"recorded_time_s", recorded_},
                                        {"outlier_share", s.outlier_share},
                                        {"rms_ratio", s.level_ratio},
                                        {"power_ratio", s.power_ratio}});
@@ -209,6 +217,9 @@ private:
         const PassageResult result = judge_passage(passage, baselines_, settings_);
         log_->add(result);
         publish(result);
+        if (broker_)
+            broker_->report_doing(
+                fmt::format("following {}, {} passages judged", what_, log_->count()));
         if (common_.quiet) return;
         const OverallVerdict v = overall_verdict({result});
         fmt::print("{}: {}: {}\n", passage.name, text_of(v.verdict), v.reason);
@@ -269,7 +280,7 @@ private:
     std::optional<PassageLog> log_;
     std::optional<Hdf5File> run_file_;
     std::optional<RunBroker> broker_; // none: no broker. It writes into the run file
-    std::optional<StatePublisher> publisher_;
+    std::optional<Publisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // while a stream is followed
     double recorded_ = 0, began_ = 0;          // s; of a stream without the time for the baseline
 };

@@ -22,7 +22,8 @@ std::filesystem::path folder_of_resumed(const Common& common) {
 
 RunBroker::RunBroker(const RunBrokerSettings& s, const std::filesystem::path& stream, double speed,
                      const Common& common)
-    : history_(s.history), gives_records_(stream.empty() || is_hdf5(stream)) {
+    : name_(s.client.session.empty() ? common.scenario : s.client.session), history_(s.history),
+      gives_records_(stream.empty() || is_hdf5(stream)) {
     std::error_code error;
     require(!is_hdf5(stream) ||
                 !std::filesystem::equivalent(std::filesystem::absolute(stream).parent_path(),
@@ -31,7 +32,9 @@ RunBroker::RunBroker(const RunBrokerSettings& s, const std::filesystem::path& st
                         "results, which replace it, found '{}'",
                         stream.string()));
     if (!s.client.address.empty()) {
-        client_.emplace(s.client, common.scenario,
+        BrokerSettings client = s.client;
+        client.run = name_;
+        client_.emplace(client, common.scenario,
                         stream.empty() ? BrokerLines::topics() : std::vector<std::string>{},
                         stream.empty() ? BrokerClient::Start::answered : BrokerClient::Start::any);
         if (const std::string problem = client_->problem(); !problem.empty())
@@ -54,8 +57,13 @@ void RunBroker::keep_in(Hdf5File& file, const std::filesystem::path& earlier) {
     recorded_.emplace(source(), *kept_);
 }
 
+void RunBroker::report_doing(const std::string& doing, double left) {
+    if (client_ && client_->signs_of_life()) client_->signs_of_life()->report(doing, left);
+}
+
 void RunBroker::finish() {
     if (client_) {
+        if (client_->signs_of_life()) client_->signs_of_life()->end();
         client_->flush(farewell);
         client_->end_session();
     }

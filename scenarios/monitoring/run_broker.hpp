@@ -7,6 +7,7 @@
 #include "scenarios/recordings/recording.hpp"
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,6 +56,12 @@ public:
         return std::make_unique<BrokerLines>(link(), infos);
     }
     BrokerLink& link() { return recorded_ ? *recorded_ : source(); }
+    /// Name of the run in its signs of life and alarms: of its session, else of its scenario.
+    const std::string& name() const { return name_; }
+    /// What the run does from now on, for its signs of life, and the time (s) until that is done;
+    /// NaN: unknown.
+    void report_doing(const std::string& doing,
+                      double left = std::numeric_limits<double>::quiet_NaN());
     /// Waits a moment for the last publications, ends the session and writes the history.
     void finish();
     /// What the history left out; empty: nothing.
@@ -66,6 +73,7 @@ private:
         return *client_;
     }
 
+    std::string name_;
     double history_;
     bool gives_records_;
     std::optional<BrokerClient> client_;

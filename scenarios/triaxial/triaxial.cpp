@@ -139,7 +139,7 @@ std::string TriaxialTest::equilibrium_status() const {
     return text;
 }
 
-// the lengths of preparation and consolidation are not known in advance
+// the lengths of taps and consolidation are not known in advance
 PhaseProgress TriaxialTest::progress() const {
     const TriaxialState& s = state();
     const double unknown = -1, stages = settings_.final_axial_strain / settings_.stage_strain;
@@ -148,6 +148,7 @@ PhaseProgress TriaxialTest::progress() const {
     case TriaxialPhase::fill:
         return filling_progress();
     case TriaxialPhase::compress:
+        return {"preparation", compressed_share(), preparation_status()};
     case TriaxialPhase::vibrate:
     case TriaxialPhase::tap:
         return {"preparation", unknown, preparation_status()};
