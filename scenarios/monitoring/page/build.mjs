@@ -1,7 +1,7 @@
 // Bundles the page into one self-contained file, assets/live_page/index.html: `npm ci && npm run build`.
 import { build } from "esbuild";
 import { createHash } from "node:crypto";
-import { mkdir, readFile, writeFile } from "node:fs/promises";
+import { mkdir, readdir, readFile, writeFile } from "node:fs/promises";
 
 const here = new URL(".", import.meta.url).pathname;
 const result = await build({
@@ -15,8 +15,12 @@ const style = (await readFile(here + "node_modules/uplot/dist/uPlot.min.css", "u
   (await readFile(here + "page.css", "utf8"));
 // the Content-Security-Policy lets this script and this style run, and no other
 const hash = (text) => "sha256-" + createHash("sha256").update(text).digest("base64");
+// tests/page/page_test.py compares it with the sources as they are
+const sources = createHash("sha256");
+for (const name of (await readdir(here)).filter((n) => /\.(js|css|html|mjs|json)$/.test(n)).sort()) sources.update(await readFile(here + name));
 const page = (await readFile(here + "page.html", "utf8"))
   .replace("@STYLE_HASH@", hash(style)).replace("@SCRIPT_HASH@", hash(script))
+  .replace("@SOURCES@", sources.digest("hex"))
   .replace("@STYLE@", () => style).replace("@SCRIPT@", () => script);
 const out = here + "../../../assets/live_page/";
 await mkdir(out, { recursive: true });
