@@ -12,14 +12,14 @@ enum class NumbersOf { test, timing, sensor };
 
 struct PublishedNumber {
     NumbersOf message;
-    std::string_view name, unit, meaning;
+    std::string_view name, unit, meaning; ///< unit 1: none
 };
 
 /// All numbers that are published. Publishers can use no other name (ValueOf); the live page is
 /// given this table (bris/numbers) and knows no name itself; the table in
 /// assets/live_page/README.md is published_table_for_documents().
 inline constexpr auto published_numbers = std::to_array<PublishedNumber>({
-    {NumbersOf::test, "axial_strain", "", "of the stage, compression positive"},
+    {NumbersOf::test, "axial_strain", "1", "of the stage, compression positive"},
     {NumbersOf::test, "measured_q_Pa", "Pa", "deviatoric stress that the test machine measured"},
     {NumbersOf::test, "model_q_Pa", "Pa", "of the model with the friction and stiffness learned"},
     {NumbersOf::test, "fused_q_Pa", "Pa",
@@ -27,21 +27,21 @@ inline constexpr auto published_numbers = std::to_array<PublishedNumber>({
      "specimen was in all records before this one"},
     {NumbersOf::test, "fused_q_half_width_Pa", "Pa",
      "half width of the band in which the measured q is expected with a probability of 95 %"},
-    {NumbersOf::test, "specimen_factor", "", "fused_q_Pa over model_q_Pa"},
-    {NumbersOf::test, "measured_volumetric_strain", "", "decrease of volume positive"},
-    {NumbersOf::test, "model_volumetric_strain", "", "of the model"},
-    {NumbersOf::test, "learned_friction", "", "estimate of the friction coefficient of the rocks"},
-    {NumbersOf::test, "learned_friction_deviation", "", "its standard deviation"},
+    {NumbersOf::test, "specimen_factor", "1", "fused_q_Pa over model_q_Pa"},
+    {NumbersOf::test, "measured_volumetric_strain", "1", "decrease of volume positive"},
+    {NumbersOf::test, "model_volumetric_strain", "1", "of the model"},
+    {NumbersOf::test, "learned_friction", "1", "estimate of the friction coefficient of the rocks"},
+    {NumbersOf::test, "learned_friction_deviation", "1", "its standard deviation"},
     {NumbersOf::test, "learned_stiffness_ratio", "",
      "estimate of the contact stiffness over --clump-stiffness"},
-    {NumbersOf::test, "learned_stiffness_ratio_deviation", "", "its standard deviation"},
-    {NumbersOf::timing, "axial_strain", "", "of the stage"},
+    {NumbersOf::test, "learned_stiffness_ratio_deviation", "1", "its standard deviation"},
+    {NumbersOf::timing, "axial_strain", "1", "of the stage"},
     {NumbersOf::timing, "latency_s", "s",
      "lag: from the arrival of the machine's record to the answer of the model"},
     {NumbersOf::sensor, "recorded_time_s", "s", "recorded time up to the end of the passage"},
-    {NumbersOf::sensor, "outlier_share", "", "points outside the limits of the control charts"},
-    {NumbersOf::sensor, "rms_ratio", "", "root mean square over that of the baseline"},
-    {NumbersOf::sensor, "power_ratio", "", "power of the band over that of the baseline"},
+    {NumbersOf::sensor, "outlier_share", "1", "points outside the limits of the control charts"},
+    {NumbersOf::sensor, "rms_ratio", "1", "root mean square over that of the baseline"},
+    {NumbersOf::sensor, "power_ratio", "1", "power of the band over that of the baseline"},
 });
 
 /// A curve of the page over another number of the same message, shown in units of its own.
