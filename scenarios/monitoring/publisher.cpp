@@ -128,27 +128,28 @@ void Publisher::publish_poses(const BodyFrame& frame) {
     }
 }
 
-void Publisher::publish(const std::vector<ValueOf<NumbersOf::test>>& numbers) {
+void Publisher::publish_test(const std::vector<ValueOf<NumbersOf::test>>& numbers) {
     link_.publish("bris/state", json_of(numbers), Delivery::once_at_most);
 }
 
-void Publisher::publish(const std::vector<ValueOf<NumbersOf::timing>>& numbers) {
+void Publisher::publish_timing(const std::vector<ValueOf<NumbersOf::timing>>& numbers) {
     link_.publish("bris/timing", json_of(numbers), Delivery::once_at_most);
 }
 
-void Publisher::publish(unsigned sensor, const std::vector<ValueOf<NumbersOf::sensor>>& numbers) {
-    link_.publish(fmt::format("bris/sensor/{}", sensor), json_of(numbers), Delivery::once_at_most);
+void Publisher::publish_sensor(unsigned id,
+                               const std::vector<ValueOf<NumbersOf::sensor>>& numbers) {
+    link_.publish(fmt::format("bris/sensor/{}", id), json_of(numbers), Delivery::once_at_most);
 }
 
-void Publisher::publish(unsigned sensor, const Alarm& alarm) {
-    publish_alarm(fmt::format("smartrock/{}/alarm", sensor), alarm);
+void Publisher::publish_alarm(unsigned sensor, const Alarm& alarm) {
+    publish_alarm_on(fmt::format("smartrock/{}/alarm", sensor), alarm);
 }
 
-void Publisher::publish(const std::string& name, const Alarm& alarm) {
-    publish_alarm("bris/alarm/" + name, alarm);
+void Publisher::publish_alarm(const std::string& name, const Alarm& alarm) {
+    publish_alarm_on("bris/alarm/" + name, alarm);
 }
 
-void Publisher::publish_alarm(const std::string& topic, const Alarm& alarm) {
+void Publisher::publish_alarm_on(const std::string& topic, const Alarm& alarm) {
     const std::string text =
         fmt::format("{} {} {}", text_of(alarm.state), alarm.verdict, alarm.reason);
     if (std::exchange(alarms_[topic], text) == text) return;

@@ -43,15 +43,15 @@ public:
     void publish_scene(const World& world, const BodyFrame& frame,
                        const std::map<std::int64_t, unsigned>& sensors, const std::string& title);
     void publish_poses(const BodyFrame& frame);
-    void publish(const std::vector<ValueOf<NumbersOf::test>>& numbers);
-    void publish(const std::vector<ValueOf<NumbersOf::timing>>& numbers);
-    void publish(unsigned sensor, const std::vector<ValueOf<NumbersOf::sensor>>& numbers);
+    void publish_test(const std::vector<ValueOf<NumbersOf::test>>& numbers);
+    void publish_timing(const std::vector<ValueOf<NumbersOf::timing>>& numbers);
+    void publish_sensor(unsigned id, const std::vector<ValueOf<NumbersOf::sensor>>& numbers);
     /// Publish an alarm of a sensor, or of another name, if it is not what was published last.
-    void publish(unsigned sensor, const Alarm& alarm);
-    void publish(const std::string& name, const Alarm& alarm);
+    void publish_alarm(unsigned sensor, const Alarm& alarm);
+    void publish_alarm(const std::string& name, const Alarm& alarm);
 
 private:
-    void publish_alarm(const std::string& topic, const Alarm& alarm);
+    void publish_alarm_on(const std::string& topic, const Alarm& alarm);
 
     BrokerLink& link_;
     std::string run_;

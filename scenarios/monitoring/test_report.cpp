@@ -52,14 +52,14 @@ std::vector<ValueOf<NumbersOf::test>> numbers_of_stage(const LiveModel& model,
 void publish_unknown(BrokerLink& link, const std::string& run,
                      const std::vector<SensorInfo>& infos) {
     Publisher publisher(link, run);
-    for (const SensorInfo& info : infos) publisher.publish(info.id, Alarm{});
-    publisher.publish("agreement", Alarm{});
+    for (const SensorInfo& info : infos) publisher.publish_alarm(info.id, Alarm{});
+    publisher.publish_alarm("agreement", Alarm{});
 }
 
 void publish_start(Publisher& publisher, const World& world, const BodyFrame& frame,
                    const ModelRun& model, const std::vector<SensorInfo>& infos) {
-    for (const SensorInfo& info : infos) publisher.publish(info.id, Alarm{});
-    publisher.publish("agreement", Alarm{});
+    for (const SensorInfo& info : infos) publisher.publish_alarm(info.id, Alarm{});
+    publisher.publish_alarm("agreement", Alarm{});
     publisher.publish_scene(world, frame, sensors_in(model, infos),
                             "Triaxial test with SmartRocks");
 }
@@ -67,11 +67,11 @@ void publish_start(Publisher& publisher, const World& world, const BodyFrame& fr
 void publish_stage(Publisher& publisher, const BodyFrame& frame, const LiveModel& model,
                    const RecordedTest& so_far, double latency) {
     publisher.publish_poses(frame);
-    publisher.publish(numbers_of_stage(model, so_far));
-    publisher.publish({{"axial_strain", model.strain()}, {"latency_s", latency}});
-    publisher.publish("agreement", agreement_alarm(model.fused(), model.strain()));
+    publisher.publish_test(numbers_of_stage(model, so_far));
+    publisher.publish_timing({{"axial_strain", model.strain()}, {"latency_s", latency}});
+    publisher.publish_alarm("agreement", agreement_alarm(model.fused(), model.strain()));
     for (const Recording& r : so_far.recordings)
-        publisher.publish(r.info.id, sensor_alarm(r.info, so_far, model.strain()));
+        publisher.publish_alarm(r.info.id, sensor_alarm(r.info, so_far, model.strain()));
 }
 
 Alarm agreement_alarm(const FusedStress& fused, double strain) {

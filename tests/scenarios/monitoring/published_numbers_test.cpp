@@ -53,10 +53,10 @@ TEST_SUITE("monitoring/published_numbers") {
         CHECK(listener.messages[0].topic == "bris/numbers");
         CHECK(listener.messages[0].payload == published_table());
         CHECK(listener.messages[0].retained);
-        publisher.publish({{"axial_strain", 0.01}, {"latency_s", std::nan("")}});
+        publisher.publish_timing({{"axial_strain", 0.01}, {"latency_s", std::nan("")}});
         CHECK(listener.messages.back().topic == "bris/timing");
         CHECK(listener.messages.back().payload == R"({"axial_strain":0.01,"latency_s":null})");
-        publisher.publish(7, {{"recorded_time_s", 20.0}, {"rms_ratio", 1.5}});
+        publisher.publish_sensor(7, {{"recorded_time_s", 20.0}, {"rms_ratio", 1.5}});
         CHECK(listener.messages.back().topic == "bris/sensor/7");
     }
 
@@ -64,18 +64,18 @@ TEST_SUITE("monitoring/published_numbers") {
               "the same") {
         Listener listener;
         Publisher publisher(listener, "model");
-        publisher.publish(3, Alarm{});
+        publisher.publish_alarm(3, Alarm{});
         CHECK(listener.messages.back().topic == "smartrock/3/alarm");
         CHECK(listener.messages.back().retained);
         CHECK(
             listener.messages.back().payload ==
             R"({"reason":"","run":"model","state":"unknown","t":null,"verdict":"not judged yet"})");
-        publisher.publish(3, Alarm{});
+        publisher.publish_alarm(3, Alarm{});
         CHECK(listener.messages.size() == 2);
-        publisher.publish(3, Alarm{AlarmState::clear, "in use", "", 0.1});
-        publisher.publish(3, Alarm{AlarmState::clear, "in use", "", 0.2});
+        publisher.publish_alarm(3, Alarm{AlarmState::clear, "in use", "", 0.1});
+        publisher.publish_alarm(3, Alarm{AlarmState::clear, "in use", "", 0.2});
         CHECK(listener.messages.size() == 3);
-        publisher.publish("agreement", Alarm{AlarmState::active, "", "a \xff byte", 0.2});
+        publisher.publish_alarm("agreement", Alarm{AlarmState::active, "", "a \xff byte", 0.2});
         CHECK(listener.messages.back().topic == "bris/alarm/agreement");
         CHECK(listener.messages.back().payload.find("\xff") == std::string::npos);
     }
