@@ -189,7 +189,8 @@ private:
         run_file_.emplace(Hdf5File::create(common_.out / "monitor.h5"));
         broker_->keep_in(*run_file_);
         publisher_.emplace(broker_->link(), broker_->name());
-        for (const SensorBaseline& b : baselines_) publisher_->publish_alarm(b.id, Alarm{});
+        for (const SensorBaseline& b : baselines_)
+            publisher_->publish_alarm(b.id, PublishedAlarm{});
         broker_->report_doing("following " + what_ + ", nothing judged yet");
     }
 
@@ -197,7 +198,8 @@ private:
         if (!publisher_) return;
         for (const SensorResult& s : passage.sensors) {
             publisher_->publish_alarm(
-                s.id, Alarm{alarm_state(s.verdict), text_of(s.verdict), s.reason, recorded_});
+                s.id,
+                PublishedAlarm{alarm_state(s.verdict), text_of(s.verdict), s.reason, recorded_});
             publisher_->publish_sensor(s.id, {{"recorded_time_s", recorded_},
                                               {"outlier_share", s.outlier_share},
                                               {"rms_ratio", s.level_ratio},

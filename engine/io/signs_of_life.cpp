@@ -19,7 +19,7 @@ std::string topic_of(const std::string& run) {
         name,
         [](char c) {
             return !(('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9') ||
-                     std::string_view("-_.").contains(c));
+                     std::string_view("-_.").find(c) != std::string_view::npos);
         },
         '_');
     return "bris/run/" + name;

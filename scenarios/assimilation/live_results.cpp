@@ -1,6 +1,7 @@
 #include "scenarios/assimilation/live_results.hpp"
 
 #include "engine/io/plot.hpp"
+#include "scenarios/assimilation/misfit.hpp"
 
 #include <fmt/format.h>
 

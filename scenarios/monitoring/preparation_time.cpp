@@ -11,17 +11,22 @@ namespace bris {
 
 namespace {
 
-// of the time of a preparation: of the example's specimen without taps, with six members
-constexpr std::array<double, 5> shares{0.10, 0.30, 0.10, 0.20, 0.30};
+// of the processor time of a preparation, of the example's specimen with six members
+constexpr std::array<double, 6> shares{0.02, 0.24, 0.42, 0.04, 0.08, 0.20};
+constexpr double on_time = 0.8; // of a part of unknown length: what follows may take longer
 constexpr double least_done = 2e-3, tell_interval = 0.2; // -, s
 
 } // namespace
 
 void PreparationTime::specimen_reached(const PhaseProgress& now) {
     const std::lock_guard lock(mutex_);
-    const Part part = now.phase == "filling"                              ? filling
-                      : now.status.starts_with("trial") || part_ == trial ? trial
-                                                                          : compression;
+    Part part = vibration;
+    if (now.phase == "filling")
+        part = filling;
+    else if (now.status.starts_with("trial"))
+        part = trial;
+    else if (now.fraction >= 0)
+        part = compression;
     reach(part, now.fraction, "making the specimen: " + now.phase + ", " + now.status);
 }
 
@@ -45,29 +50,34 @@ void PreparationTime::end() {
 }
 
 void PreparationTime::reach(Part part, double fraction, const std::string& doing) {
-    if (part != part_) {
+    if (part > part_) { // a specimen that is made looser again does not go back
+        done_ += shares[part_];
         part_ = part;
         part_began_ = this_instant();
         fraction_ = 0;
     }
-    fraction_ = std::max(fraction_, std::min(1.0, fraction));
+    if (part == part_) fraction_ = std::max(fraction_, std::min(1.0, fraction));
     if (ended_ || seconds_since(told_) < tell_interval) return;
     told_ = this_instant();
     tell_(doing, left());
 }
 
-/// By the rate of what is done so far. A part whose length is unknown approaches its end.
+/// By the rate of what is done so far. A part of unknown length is taken to last as long as its
+/// share says, and approaches its end when it lasts longer.
 double PreparationTime::left() const {
-    const double before = std::accumulate(shares.begin(), shares.begin() + part_, 0.0),
-                 elapsed = seconds_since(began_), in_part = seconds_since(part_began_);
+    const double elapsed = seconds_since(began_), in_part = seconds_since(part_began_);
     double fraction = fraction_;
-    if (fraction <= 0 && before > 0) {
-        const double expected = shares[part_] / before * (elapsed - in_part);
-        fraction = expected > 0 ? in_part / (in_part + expected) : 0;
+    if (fraction <= 0 && done_ > 0 && elapsed > in_part) {
+        const double expected = (elapsed - in_part) * shares[part_] / done_,
+                     share = in_part / expected;
+        fraction = share < on_time
+                       ? share
+                       : 1 - (1 - on_time) * std::exp(-(share - on_time) / (1 - on_time));
     }
-    const double done = before + shares[part_] * fraction;
-    return done < least_done ? std::numeric_limits<double>::quiet_NaN()
-                             : elapsed * (1 - done) / done;
+    const double done = done_ + shares[part_] * fraction,
+                 later = std::accumulate(shares.begin() + part_ + 1, shares.end(), 0.0);
+    if (done < least_done) return std::numeric_limits<double>::quiet_NaN();
+    return elapsed / done * (later + shares[part_] * (1 - fraction));
 }
 
 } // namespace bris

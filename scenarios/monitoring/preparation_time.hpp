@@ -32,7 +32,14 @@ public:
     void end();
 
 private:
-    enum Part : std::size_t { filling, compression, trial, consolidation, first_stages, parts };
+    enum Part : std::size_t {
+        filling,
+        compression,
+        vibration, ///< or taps; a loose specimen needs none
+        trial,
+        consolidation,
+        first_stages
+    };
     void reach(Part part, double fraction, const std::string& doing);
     double left() const;
 
@@ -44,6 +51,7 @@ private:
     Part part_ = filling;
     Instant part_began_ = began_;
     double fraction_ = 0; // of the part
+    double done_ = 0;     // sum of the shares of the parts before it that were needed
     bool ended_ = false;
 };
 

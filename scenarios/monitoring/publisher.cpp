@@ -141,15 +141,15 @@ void Publisher::publish_sensor(unsigned id,
     link_.publish(fmt::format("bris/sensor/{}", id), json_of(numbers), Delivery::once_at_most);
 }
 
-void Publisher::publish_alarm(unsigned sensor, const Alarm& alarm) {
+void Publisher::publish_alarm(unsigned sensor, const PublishedAlarm& alarm) {
     publish_alarm_on(fmt::format("smartrock/{}/alarm", sensor), alarm);
 }
 
-void Publisher::publish_alarm(const std::string& name, const Alarm& alarm) {
+void Publisher::publish_alarm(const std::string& name, const PublishedAlarm& alarm) {
     publish_alarm_on("bris/alarm/" + name, alarm);
 }
 
-void Publisher::publish_alarm_on(const std::string& topic, const Alarm& alarm) {
+void Publisher::publish_alarm_on(const std::string& topic, const PublishedAlarm& alarm) {
     const std::string text =
         fmt::format("{} {} {}", text_of(alarm.state), alarm.verdict, alarm.reason);
     if (std::exchange(alarms_[topic], text) == text) return;

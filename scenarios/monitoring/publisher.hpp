@@ -15,7 +15,7 @@ namespace bris {
 /// Whether something is wrong. `unknown`: it was not judged, or could not be; never an all-clear.
 enum class AlarmState { active, clear, unknown };
 
-struct Alarm {
+struct PublishedAlarm {
     AlarmState state = AlarmState::unknown;
     std::string verdict = "not judged yet", reason = {};
     double time = std::numeric_limits<double>::quiet_NaN(); ///< s, or axial strain of a test
@@ -47,11 +47,11 @@ public:
     void publish_timing(const std::vector<ValueOf<NumbersOf::timing>>& numbers);
     void publish_sensor(unsigned id, const std::vector<ValueOf<NumbersOf::sensor>>& numbers);
     /// Publish an alarm of a sensor, or of another name, if it is not what was published last.
-    void publish_alarm(unsigned sensor, const Alarm& alarm);
-    void publish_alarm(const std::string& name, const Alarm& alarm);
+    void publish_alarm(unsigned sensor, const PublishedAlarm& alarm);
+    void publish_alarm(const std::string& name, const PublishedAlarm& alarm);
 
 private:
-    void publish_alarm_on(const std::string& topic, const Alarm& alarm);
+    void publish_alarm_on(const std::string& topic, const PublishedAlarm& alarm);
 
     BrokerLink& link_;
     std::string run_;

@@ -52,14 +52,14 @@ std::vector<ValueOf<NumbersOf::test>> numbers_of_stage(const LiveModel& model,
 void publish_unknown(BrokerLink& link, const std::string& run,
                      const std::vector<SensorInfo>& infos) {
     Publisher publisher(link, run);
-    for (const SensorInfo& info : infos) publisher.publish_alarm(info.id, Alarm{});
-    publisher.publish_alarm("agreement", Alarm{});
+    for (const SensorInfo& info : infos) publisher.publish_alarm(info.id, PublishedAlarm{});
+    publisher.publish_alarm("agreement", PublishedAlarm{});
 }
 
 void publish_start(Publisher& publisher, const World& world, const BodyFrame& frame,
                    const ModelRun& model, const std::vector<SensorInfo>& infos) {
-    for (const SensorInfo& info : infos) publisher.publish_alarm(info.id, Alarm{});
-    publisher.publish_alarm("agreement", Alarm{});
+    for (const SensorInfo& info : infos) publisher.publish_alarm(info.id, PublishedAlarm{});
+    publisher.publish_alarm("agreement", PublishedAlarm{});
     publisher.publish_scene(world, frame, sensors_in(model, infos),
                             "Triaxial test with SmartRocks");
 }
@@ -74,7 +74,7 @@ void publish_stage(Publisher& publisher, const BodyFrame& frame, const LiveModel
         publisher.publish_alarm(r.info.id, sensor_alarm(r.info, so_far, model.strain()));
 }
 
-Alarm agreement_alarm(const FusedStress& fused, double strain) {
+PublishedAlarm agreement_alarm(const FusedStress& fused, double strain) {
     switch (fused.agreement) {
     case FusedStress::Agreement::agrees:
         return {AlarmState::clear, "model and test agree", fused.reason, strain};
@@ -86,8 +86,8 @@ Alarm agreement_alarm(const FusedStress& fused, double strain) {
     return {AlarmState::unknown, "model and test are not compared", fused.reason, strain};
 }
 
-Alarm sensor_alarm(const SensorInfo& info, const RecordedTest& so_far, double strain) {
-    Alarm alarm{AlarmState::clear, "in use", "", strain};
+PublishedAlarm sensor_alarm(const SensorInfo& info, const RecordedTest& so_far, double strain) {
+    PublishedAlarm alarm{AlarmState::clear, "in use", "", strain};
     for (const Finding& f : so_far.findings) {
         if (f.sensor != info.id || f.kind != Finding::Kind::refusal) continue;
         if (f.check == "length") // as before its first records

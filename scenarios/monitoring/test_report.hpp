@@ -22,9 +22,9 @@ void publish_stage(Publisher& publisher, const BodyFrame& frame, const LiveModel
                    const RecordedTest& so_far, double latency);
 
 /// Whether model and test disagree.
-Alarm agreement_alarm(const FusedStress& fused, double strain);
+PublishedAlarm agreement_alarm(const FusedStress& fused, double strain);
 /// Whether a sensor is left out. With fewer records than quality control needs: unknown.
-Alarm sensor_alarm(const SensorInfo& info, const RecordedTest& so_far, double strain);
+PublishedAlarm sensor_alarm(const SensorInfo& info, const RecordedTest& so_far, double strain);
 
 /// All rocks as they are in the last stage of a model. `first`: the frame at its start; membrane
 /// and velocities stay as they are there.

@@ -135,13 +135,6 @@ void TriaxialTest::compress() {
     set_friction(world, state.preparation_friction);
 }
 
-double TriaxialTest::compressed_share() const {
-    const TriaxialState& s = state();
-    if (s.poured_porosity == 0) return 0; // they are still poured
-    const double whole = s.poured_porosity - s.porosity_before_taps;
-    return whole > 0 ? std::clamp((s.poured_porosity - s.prepared_porosity) / whole, 0.0, 1.0) : 1;
-}
-
 std::string TriaxialTest::preparation_status() const {
     const TriaxialState& s = state();
     const std::string found =

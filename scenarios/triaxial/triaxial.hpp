@@ -149,8 +149,6 @@ private:
     void keep_stable();
     bool is_in_equilibrium();
     PhaseProgress filling_progress() const;
-    /// Of the porosity that compression has to remove, the part that is removed.
-    double compressed_share() const;
     std::string preparation_status() const;
     std::string consolidation_status() const;
     std::string equilibrium_status() const;

@@ -64,18 +64,19 @@ TEST_SUITE("monitoring/published_numbers") {
               "the same") {
         Listener listener;
         Publisher publisher(listener, "model");
-        publisher.publish_alarm(3, Alarm{});
+        publisher.publish_alarm(3, PublishedAlarm{});
         CHECK(listener.messages.back().topic == "smartrock/3/alarm");
         CHECK(listener.messages.back().retained);
         CHECK(
             listener.messages.back().payload ==
             R"({"reason":"","run":"model","state":"unknown","t":null,"verdict":"not judged yet"})");
-        publisher.publish_alarm(3, Alarm{});
+        publisher.publish_alarm(3, PublishedAlarm{});
         CHECK(listener.messages.size() == 2);
-        publisher.publish_alarm(3, Alarm{AlarmState::clear, "in use", "", 0.1});
-        publisher.publish_alarm(3, Alarm{AlarmState::clear, "in use", "", 0.2});
+        publisher.publish_alarm(3, PublishedAlarm{AlarmState::clear, "in use", "", 0.1});
+        publisher.publish_alarm(3, PublishedAlarm{AlarmState::clear, "in use", "", 0.2});
         CHECK(listener.messages.size() == 3);
-        publisher.publish_alarm("agreement", Alarm{AlarmState::active, "", "a \xff byte", 0.2});
+        publisher.publish_alarm("agreement",
+                                PublishedAlarm{AlarmState::active, "", "a \xff byte", 0.2});
         CHECK(listener.messages.back().topic == "bris/alarm/agreement");
         CHECK(listener.messages.back().payload.find("\xff") == std::string::npos);
     }
