@@ -26,8 +26,9 @@ std::string topic_of(const std::string& run) {
 }
 
 /// JSON has no NaN.
-nlohmann::json number(double x, double unit) {
-    return std::isfinite(x) ? nlohmann::json(std::round(x / unit) * unit) : nlohmann::json();
+nlohmann::json number(double x, double parts_of_one) {
+    return std::isfinite(x) ? nlohmann::json(std::round(x * parts_of_one) / parts_of_one)
+                            : nlohmann::json();
 }
 
 } // namespace
@@ -64,12 +65,12 @@ std::string SignsOfLife::heartbeat(double time, bool last) {
     return nlohmann::json{{"state", !last    ? "running"
                                     : ended_ ? "ended"
                                              : "stopped"},
-                          {"time", number(time, 1e-3)},
-                          {"began", number(began_, 1e-3)},
+                          {"time", number(time, 1000)},
+                          {"began", number(began_, 1000)},
                           {"beat", beats_},
                           {"doing", doing_},
-                          {"left_s", number(std::isnan(left_) ? left_ : left, 0.1)},
-                          {"silent_s", number(seconds_since(signed_), 0.1)}}
+                          {"left_s", number(std::isnan(left_) ? left_ : left, 10)},
+                          {"silent_s", number(seconds_since(signed_), 10)}}
         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

@@ -22,8 +22,9 @@ ModelRun run_of(const RockParameters& rocks, double packing, std::uint64_t seed)
         slip = 0.9 * slip + std::sqrt(1 - 0.81) * 0.05 * random.normal();
         const double q =
             3e5 * (1 - std::exp(-400 * strain)) * rocks.friction * std::sqrt(rocks.stiffness);
-        run.points.push_back(
-            {.axial_strain = strain, .deviatoric_stress = q * std::exp(packing + slip)});
+        TriaxialPoint& point = run.points.emplace_back();
+        point.axial_strain = strain;
+        point.deviatoric_stress = q * std::exp(packing + slip);
     }
     return run;
 }
