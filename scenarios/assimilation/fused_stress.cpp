@@ -90,7 +90,7 @@ public:
     Deviation(double correlation, double scatter) : correlation_(correlation), scatter_(scatter) {}
 
     void advance(const StageForecast& now, double strain) {
-        const double packing = scatter_ * scatter_ + now.parameters;
+        // parameters that are uncertain shift all stages alike
         const bool first = strain_ == 0;
         const double stays =
             first ? 0 : std::exp(-std::log(strain / strain_) / specimen_correlation.memory);
@@ -98,7 +98,8 @@ public:
             first || slips_ == 0 ? 0 : correlation_ * std::sqrt(now.slips / slips_);
         const double fresh = first || slips_ == 0 ? 1 : 1 - correlation_ * correlation_;
         mean_ = {stays * mean_[0], lasts * mean_[1]};
-        packing_ = stays * stays * packing_ + (1 - stays * stays) * packing;
+        packing_ = stays * stays * packing_ + (1 - stays * stays) * scatter_ * scatter_ +
+                   (first ? now.parameters : 0);
         own_ = lasts * lasts * own_ + fresh * now.slips;
         both_ *= stays * lasts;
         strain_ = strain;

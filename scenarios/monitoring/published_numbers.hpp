@@ -32,7 +32,7 @@ inline constexpr auto published_numbers = std::to_array<PublishedNumber>({
     {NumbersOf::test, "model_volumetric_strain", "1", "of the model"},
     {NumbersOf::test, "learned_friction", "1", "estimate of the friction coefficient of the rocks"},
     {NumbersOf::test, "learned_friction_deviation", "1", "its standard deviation"},
-    {NumbersOf::test, "learned_stiffness_ratio", "",
+    {NumbersOf::test, "learned_stiffness_ratio", "1",
      "estimate of the contact stiffness over --clump-stiffness"},
     {NumbersOf::test, "learned_stiffness_ratio_deviation", "1", "its standard deviation"},
     {NumbersOf::timing, "axial_strain", "1", "of the stage"},

@@ -1,5 +1,6 @@
 #include "engine/random.hpp"
 #include "scenarios/assimilation/fused_stress.hpp"
+#include "scenarios/assimilation/specimen_correlation.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,9 +12,10 @@ namespace {
 
 constexpr std::size_t stages = 100;
 
-/// ln q of a specimen: friction and stiffness, the packing, and slips that are correlated from
-/// stage to stage.
-ModelRun run_of(const RockParameters& rocks, double packing, std::uint64_t seed) {
+/// ln q of a specimen: friction and stiffness, the packing, which changes along the test by
+/// `wander`, and slips that are correlated from stage to stage.
+ModelRun run_of(const RockParameters& rocks, double packing, std::uint64_t seed,
+                double wander = 0) {
     Random random(seed, 3);
     ModelRun run;
     double slip = 0.05 * random.normal();
@@ -22,6 +24,12 @@ ModelRun run_of(const RockParameters& rocks, double packing, std::uint64_t seed)
         slip = 0.9 * slip + std::sqrt(1 - 0.81) * 0.05 * random.normal();
         const double q =
             3e5 * (1 - std::exp(-400 * strain)) * rocks.friction * std::sqrt(rocks.stiffness);
+        if (k > 1 && wander > 0) { // an Ornstein-Uhlenbeck process in ln strain
+            const double stays =
+                std::exp(-std::log(static_cast<double>(k) / static_cast<double>(k - 1)) /
+                         specimen_correlation.memory);
+            packing = stays * packing + std::sqrt(1 - stays * stays) * wander * random.normal();
+        }
         TriaxialPoint& point = run.points.emplace_back();
         point.axial_strain = strain;
         point.deviatoric_stress = q * std::exp(packing + slip);
@@ -58,7 +66,7 @@ TEST_SUITE("assimilation/fused_stress") {
             const Scene scene(seed);
             Random random(seed, 5);
             const MeasuredTest test =
-                measured_test(run_of({0.7, 1}, 0.35 * random.normal(), 7000 + seed).points);
+                measured_test(run_of({0.7, 1}, 0.35 * random.normal(), 7000 + seed, 0.35).points);
             for (std::size_t stage = 5; stage <= stages; stage += 5) {
                 const FusedStress f = scene.at(test, stage);
                 REQUIRE(std::isfinite(f.fused));
