@@ -26,7 +26,7 @@ namespace {
 
 struct Demo {
     std::filesystem::path recordings = assets_folder() / "smartrock" / "55kPa", history;
-    double speed = 20, final_strain = 0.01, start = 0, keep = 0;
+    double speed = 2, final_strain = 0.01, start = 0, keep = 0;
     std::string preparation = "report"; // as the specimen of the example, which was not tapped
     unsigned bodies = 400, members = 6, taps = 0;
     std::string host = "127.0.0.1";

@@ -25,7 +25,7 @@ function showRuns() {
   at("stale").hidden = !stale;
   if (stale && at("stale").textContent !== stale.text) at("stale").textContent = stale.text;
   at("stale").dataset.kind = document.body.dataset.stale = stale ? stale.kind : "";
-  at("lag").textContent = lag === null ? "lag: unknown" : `lag: the model answered the last record ${lag.toPrecision(2)} s after its arrival`;
+  at("lag").textContent = lag === null ? "lag: unknown" : `lag: the model answered the last record ${lag < 10 ? lag.toFixed(2) : lag.toFixed(0)} s after its arrival`;
 }
 
 /// All that depends on messages and on time; at most a few times a second, however many messages come.
