@@ -4,9 +4,11 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/broker_client.hpp"
+#include "engine/io/json_members.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
+#include "scenarios/monitoring/published_numbers.hpp"
 #include "scenarios/stream/local_broker.hpp"
 #include "scenarios/stream/log_replay.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
@@ -25,8 +27,9 @@ namespace {
 
 struct Demo {
     std::filesystem::path recordings = assets_folder() / "smartrock" / "55kPa", history;
-    double speed = 20, final_strain = 0.01, start = 0, keep = 0;
-    unsigned bodies = 400, members = 6;
+    double speed = 2, final_strain = 0.01, start = 0, keep = 0;
+    std::string preparation = "report"; // as the specimen of the example, which was not tapped
+    unsigned bodies = 400, members = 6, taps = 0;
     std::string host = "127.0.0.1";
     unsigned port = 0;
 
@@ -43,6 +46,12 @@ struct Demo {
                within(0.001, 0.08));
         option("bodies", bodies, "", "Number of rocks in the model, besides the sensor rocks.",
                within(20, 1e5));
+        option("preparation", preparation, "",
+               "Core porosity of the model's specimen, that of the recorded test: report, 0.32, or "
+               "laboratory, 0.38.",
+               {"laboratory", "report"});
+        option("taps", taps, "", "Smallest number of taps with which its preparation ends.",
+               within(0, 1000));
         option("members", members, "", "Number of ensemble members.", within(6, 1000));
         option("host", host, "",
                "Address on which the page and its websockets listen. Anybody who can reach another "
@@ -81,22 +90,28 @@ std::vector<std::string> words_of_model(const Demo& d, const Common& common,
                                    "--compare=false",
                                    "--least-diameter",
                                    "1",
-                                   "--longest-preparation",
-                                   "30000",
-                                   "--porosity",
-                                   "0.5",
-                                   "--porosity-tolerance",
-                                   "0.1",
-                                   "--preparation-friction",
-                                   "0.7",
+                                   "--preparation",
+                                   d.preparation,
                                    "--taps",
-                                   "0",
+                                   std::to_string(d.taps),
                                    "--threads",
                                    std::to_string(common.threads),
                                    "--seed",
                                    std::to_string(common.seed)};
     if (common.quiet) words.emplace_back("--quiet");
     return words;
+}
+
+/// What a run that published was called, which its alarms say.
+std::string name_of_run(const std::filesystem::path& log) {
+    StreamLogReader reader(log);
+    while (const auto entry = reader.next()) {
+        if (entry->kind != LogEntry::Kind::published || !entry->topic.ends_with("/alarm")) continue;
+        JsonMembers members(entry->text);
+        while (const auto member = members.next())
+            if (member->name == "run") return json_text(member->value).value_or("");
+    }
+    return "history";
 }
 
 /// How a message of a log is published again: sensors and pages retain what describes a state.
@@ -126,7 +141,9 @@ void show_history(const Demo& d, const Common& common, BrokerClient& client) {
         shown += static_cast<std::size_t>(sent);
     }
     client.flush(10);
+    client.signs_of_life()->report("all is shown");
     pause(d.keep);
+    client.signs_of_life()->end();
     Summary summary;
     summary.add("messages_shown", shown);
     report_results(common, summary);
@@ -145,7 +162,11 @@ void run(const Demo& d, const Common& common) {
     BrokerSettings settings;
     settings.address = broker.address();
     if (is_replay) {
+        settings.run = name_of_run(d.history);
         BrokerClient client(settings, "history", {});
+        client.signs_of_life()->report("showing again what passed over the broker, " +
+                                       d.history.string());
+        client.publish("bris/numbers", published_table(), BrokerLink::Delivery::retained);
         return show_history(d, common, client);
     }
     const auto lines = stream_of(d.recordings, 1.2, 12);

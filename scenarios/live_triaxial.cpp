@@ -14,10 +14,12 @@
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/live_model.hpp"
 #include "scenarios/assimilation/live_prediction.hpp"
+#include "scenarios/assimilation/live_results.hpp"
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
-#include "scenarios/monitoring/test_publisher.hpp"
+#include "scenarios/monitoring/preparation_time.hpp"
+#include "scenarios/monitoring/test_report.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/specimens/write_option.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
@@ -136,6 +138,7 @@ public:
         if (RunBroker::is_needed(s_.broker, s_.stream)) {
             // before the specimen is made: what arrives until then waits in the queue of the client
             broker_.emplace(s_.broker, s_.stream, 0.0, common_);
+            publish_unknown(broker_->link(), broker_->name(), infos_);
         }
         if (!s_.stream.empty() && s_.stream != "-" && !std::filesystem::exists(s_.stream))
             throw OutputError(fmt::format("--stream: cannot read '{}'", s_.stream.string()));
@@ -156,7 +159,6 @@ private:
     void record_stage(const RecordedTest& so_far, double latest);
     void predict(const RecordedTest& so_far);
     void write_frame();
-    void draw(const RecordedTest& measured) const;
 
     const Live& s_;
     const Common& common_;
@@ -168,9 +170,10 @@ private:
     std::optional<FrameWriter> frames_;
     std::shared_ptr<StreamLog> log_;  // null: none is kept
     std::optional<RunBroker> broker_; // none: no broker
-    std::optional<TestPublisher> publisher_;
+    std::optional<Publisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // of test_
     std::optional<LivePrediction> prediction_;
+    std::optional<PreparationTime> preparation_;
     std::optional<LiveModel> model_;
     std::optional<LiveTest> test_;
     std::optional<ModelRun> free_;
@@ -251,9 +254,13 @@ void LiveRun::follow() {
         if (!ages.empty())
             latencies_.push_back(ages.back()); // of the machine's record that was waited for
         const double latest = ages.empty() ? std::nan("") : ages.back();
-        if (publisher_)
-            publisher_->publish_stage(frame_of_model(first_frame_, model_->state()), *model_,
-                                      so_far, latest);
+        if (publisher_) {
+            publish_stage(*publisher_, frame_of_model(first_frame_, model_->state()), *model_,
+                          so_far, latest);
+            broker_->report_doing(fmt::format("following the test, at {:.2f} of {:.2f} % of strain",
+                                              100 * model_->strain(),
+                                              100 * test_settings_.final_axial_strain));
+        }
         record_stage(so_far, latest);
         write_frame();
         predict(so_far);
@@ -266,7 +273,17 @@ void LiveRun::prepare() {
     prediction_.emplace(s_.library, common_.settings, test_settings_.core_porosity(),
                         test_settings_.confining_pressure);
     if (!prediction_->reason().empty()) fmt::print("{}\n", described(prediction_->last()));
-    specimen_ = make_specimen(scene_, test_settings_, common_, progress_slot(progress_)).state;
+    preparation_.emplace(
+        [this](const std::string& doing, double left) {
+            if (broker_) broker_->report_doing(doing, left);
+        },
+        s_.learning.members, s_.learning.first_strain, test_settings_.final_axial_strain);
+    specimen_ = make_specimen(scene_, test_settings_, common_,
+                              [&, show = progress_slot(progress_)](const PhaseProgress& now) {
+                                  show(now);
+                                  preparation_->specimen_reached(now);
+                              })
+                    .state;
     progress_.pause();
     at_start_.emplace(make_simulation(scene_, 1, common_.serial));
     restore_specimen(*at_start_, scene_, specimen_);
@@ -282,17 +299,20 @@ void LiveRun::prepare() {
                                      test_settings_.final_axial_strain, s_.catch_up},
                    [this](const std::vector<ModelVariant>& variants) {
                        return begin_models(scene_, test_settings_, specimen_, variants, common_,
-                                           progress_);
+                                           progress_, [this](std::size_t k, const auto& now) {
+                                               preparation_->member_reached(k, now);
+                                           });
                    });
+    preparation_->end();
     if (!broker_) return;
-    publisher_.emplace(broker_->link(), infos_);
-    publisher_->publish_scene(at_start_->world(), first_frame_, model_->state());
+    publisher_.emplace(broker_->link(), broker_->name());
+    publish_start(*publisher_, at_start_->world(), first_frame_, model_->state(), infos_);
 }
 
 /// The records of the test, logged.
 std::unique_ptr<Lines> LiveRun::lines() {
     if (broker_ && broker_->gives_records()) {
-        auto lines = broker_->lines(infos_);
+        auto lines = broker_->lines(infos_, BrokerLines::Order::judged_here);
         from_broker_ = lines.get();
         return lines;
     }
@@ -330,49 +350,6 @@ void LiveRun::run() {
     free_.reset();
 }
 
-void LiveRun::draw(const RecordedTest& measured) const {
-    std::vector<Plot> panels;
-    const ComparedPoints points{&measured.measured, free_ ? &free_->points : nullptr,
-                                &model_->state().points};
-    const auto panel = [&](const char* title, const char* label, const MakeCurve& make) {
-        panels.push_back({.title = title,
-                          .x_label = "axial strain (%)",
-                          .y_label = label,
-                          .curves = compared_curves(points, make)});
-    };
-    panel("Deviatoric stress", "q (kPa)", curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
-    panel("Volumetric strain", "volumetric strain (%)",
-          curves_of(100, &TriaxialPoint::volumetric_strain));
-    Plot friction{.title = "Estimated friction coefficient (dashed: one standard deviation)",
-                  .x_label = "axial strain (%)",
-                  .y_label = "friction"};
-    for (const double sign : {0.0, 1.0, -1.0}) { // without labels: all in one colour
-        Curve curve{.style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
-        for (const auto& row : rows_) {
-            curve.x.push_back(100 * row[0]);
-            curve.y.push_back(row[3] + sign * row[4]);
-        }
-        friction.curves.push_back(std::move(curve));
-    }
-    panels.push_back(std::move(friction));
-    if (prediction_->last().not_used.empty()) {
-        const LibraryPrediction& p = prediction_->last().predicted;
-        for (Curve& c : curves_of(prediction_->last(), p.q, 1e-3))
-            panels[0].curves.push_back(std::move(c));
-        for (Curve& c : curves_of(prediction_->last(), p.volume, 100))
-            panels[1].curves.push_back(std::move(c));
-    }
-    if (const RingEstimate& rings = prediction_->rings(); rings.not_made.empty()) {
-        panels.push_back({.title = fmt::format("Rings at {:g} %", 100 * rings.strain),
-                          .x_label = "radial strain, widening positive (%)",
-                          .y_label = "ring, from below",
-                          .curves = curves_of(rings)});
-        panels.back().curves.push_back(ring_curve(
-            "measured", ring_strains(measured.measured, rings.strain), Curve::Style::points));
-    }
-    draw_plots(common_.out / "live_triaxial.png", panels, 3);
-}
-
 void LiveRun::report() {
     const RecordedTest measured = test_->so_far();
     constexpr double drift = 1e-3, turn = 0.1; // m and rad, model errors at the end of the test
@@ -386,7 +363,9 @@ void LiveRun::report() {
     if (broker_) broker_->finish();
     frames_->file().close();
     write_estimates(common_.out / "learned.csv", model_->estimates());
-    draw(measured);
+    draw_live(common_.out / "live_triaxial.png",
+              {&measured.measured, free_ ? &free_->points : nullptr, &model_->state().points},
+              rows_, *prediction_);
     Summary summary;
     summary.add(describe(model_->estimate()));
     const auto add = [&](const char* name, const ModelRun& run) {

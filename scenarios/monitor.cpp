@@ -8,8 +8,8 @@
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
+#include "scenarios/monitoring/publisher.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
-#include "scenarios/monitoring/state_publisher.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
 #include "scenarios/stream/run_broker.hpp"
 
@@ -155,6 +155,13 @@ void check_band(const std::vector<SensorBaseline>& baselines, const MonitorSetti
                             b.id, b.rate, s.band_low));
 }
 
+/// Only what was judged as the baseline is an all-clear.
+AlarmState alarm_state(Verdict verdict) {
+    return verdict == Verdict::changed       ? AlarmState::active
+           : verdict == Verdict::as_baseline ? AlarmState::clear
+                                             : AlarmState::unknown;
+}
+
 class MonitorRun {
 public:
     MonitorRun(const Monitor& monitor, const Common& common)
@@ -192,25 +199,35 @@ private:
         broker_.emplace(m_.broker, source, m_.speed, common_);
         stream_log_ = begin_log(m_.broker, LoggedRecords::messages, source, common_);
         if (stream_log_) broker_->keep_in(stream_log_);
-        publisher_.emplace(broker_->link());
+        publisher_.emplace(broker_->link(), broker_->name());
+        for (const SensorBaseline& b : baselines_)
+            publisher_->publish_alarm(b.id, PublishedAlarm{});
+        broker_->report_doing("following " + what_ + ", nothing judged yet");
     }
 
     void publish(const PassageResult& passage) {
         if (!publisher_) return;
         for (const SensorResult& s : passage.sensors) {
-            publisher_->publish(
-                {s.id, s.verdict == Verdict::changed, text_of(s.verdict), s.reason, recorded_});
-            publisher_->publish_state({{"sensor", static_cast<double>(s.id)},
-                                       {"recorded_time_s", recorded_},
-                                       {"outlier_share", s.outlier_share},
-                                       {"rms_ratio", s.level_ratio},
-                                       {"power_ratio", s.power_ratio}});
+            publisher_->publish_alarm(
+                s.id,
+                PublishedAlarm{alarm_state(s.verdict), text_of(s.verdict), s.reason, recorded_});
+            publisher_->publish_sensor(s.id, {{"recorded_time_s", recorded_},
+                                              {"outlier_share", s.outlier_share},
+                                              {"rms_ratio", s.level_ratio},
+                                              {"power_ratio", s.power_ratio}});
         }
     }
 
     std::unique_ptr<Lines> lines_of(const std::vector<SensorInfo>& infos) {
-        if (!broker_ || !broker_->gives_records()) return open_lines(m_.stream);
-        auto lines = broker_->lines(infos);
+        if (!broker_ || !broker_->gives_records()) {
+            if (std::filesystem::is_regular_file(m_.stream)) return open_lines(m_.stream);
+            if (!stream_log_)
+                stream_log_ = begin_log(m_.broker, LoggedRecords::lines, m_.stream, common_);
+            auto lines = open_lines(m_.stream);
+            if (!stream_log_) return lines;
+            return std::make_unique<LoggedLines>(std::move(lines), stream_log_);
+        }
+        auto lines = broker_->lines(infos, BrokerLines::Order::judged_by_gate);
         from_broker_ = lines.get();
         return lines;
     }
@@ -247,6 +264,9 @@ private:
             std::fflush(stdout);
         }
         log_->add(std::move(result), replaces);
+        if (broker_)
+            broker_->report_doing(
+                fmt::format("following {}, {} passages judged", what_, log_->count()));
     }
 
     void follow(const std::filesystem::path& metadata) {
@@ -309,7 +329,7 @@ private:
     std::optional<PassageLog> log_;
     std::shared_ptr<StreamLog> stream_log_; // null: none is kept
     std::optional<RunBroker> broker_;       // none: no broker
-    std::optional<StatePublisher> publisher_;
+    std::optional<Publisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // while a stream is followed
     double recorded_ = 0, began_ = 0;          // s; of a stream without the time for the baseline
 };

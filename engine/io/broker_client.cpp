@@ -59,10 +59,15 @@ BrokerClient::~BrokerClient() = default;
 std::optional<BrokerMessage> BrokerClient::next(double) { return {}; }
 bool BrokerClient::publish(const std::string&, const std::string&, Delivery) { return false; }
 void BrokerClient::flush(double) {}
+SignsOfLife* BrokerClient::signs_of_life() {
+    return connection_->life ? &*connection_->life : nullptr;
+}
+
 void BrokerClient::end_session() {}
 bool BrokerClient::connected() const { return false; }
 std::string BrokerClient::problem() const { return {}; }
 BrokerCounters BrokerClient::counters() const { return {}; }
+SignsOfLife* BrokerClient::signs_of_life() { return nullptr; }
 
 #else
 
@@ -113,6 +118,7 @@ struct BrokerClient::Connection {
     std::vector<std::string> topics;
     bool tells_of_itself = false; // own_topic is subscribed
     mosquitto* client = nullptr;
+    std::optional<SignsOfLife> life;
 
     mutable std::mutex mutex; // of all below; never held while the library is called
     std::condition_variable came;
@@ -140,6 +146,7 @@ struct BrokerClient::Connection {
         (void)started;
         client = mosquitto_new(name.c_str(), false, this);
         if (client == nullptr) throw OutputError("--broker: cannot create a client");
+        if (!settings.run.empty()) life.emplace(settings.run);
     }
     ~Connection() { mosquitto_destroy(client); }
 
@@ -167,6 +174,10 @@ struct BrokerClient::Connection {
                 rc != MOSQ_ERR_SUCCESS)
                 throw OutputError(described(mosquitto_strerror(rc)));
         }
+        if (life)
+            mosquitto_will_set_v5(client, life->topic_of_will().c_str(),
+                                  static_cast<int>(SignsOfLife::will(true).size()),
+                                  SignsOfLife::will(true).data(), 1, true, nullptr);
         set_callbacks();
     }
     void set_callbacks() {
@@ -202,7 +213,10 @@ struct BrokerClient::Connection {
         int rc = mosquitto_connect_bind_v5(client, host.c_str(), port, keep_alive, nullptr,
                                            properties.get());
         for (double wait = shortest_wait;; wait = std::min(2 * wait, longest_wait)) {
-            while (rc == MOSQ_ERR_SUCCESS && !is_closing()) rc = mosquitto_loop(client, loop_ms, 1);
+            while (rc == MOSQ_ERR_SUCCESS && !is_closing()) {
+                rc = mosquitto_loop(client, loop_ms, 1);
+                give_sign_of_life();
+            }
             const int error = errno;
             if (is_closing()) break;
             if (note_failure(rc, error)) wait = shortest_wait;
@@ -221,6 +235,15 @@ struct BrokerClient::Connection {
         const std::lock_guard lock(mutex);
         return closing;
     }
+    void give_sign_of_life() {
+        if (!life || !life->is_due()) return;
+        {
+            const std::lock_guard lock(mutex);
+            if (!is_connected) return;
+        }
+        (void)publish_now(life->topic(), life->heartbeat(clock.at(this_instant())),
+                          Delivery::retained);
+    }
     void say_farewell() {
         bool connected = false, ends = false;
         {
@@ -232,6 +255,11 @@ struct BrokerClient::Connection {
         // The library closes its socket after the farewell. If records waited in the socket then,
         // the system would reset the connection, and the broker might never read the farewell: a
         // copy stays open until the broker has closed its side.
+        if (life) {
+            const std::string last = life->heartbeat(clock.at(this_instant()), true);
+            mosquitto_publish_v5(client, nullptr, life->topic().c_str(),
+                                 static_cast<int>(last.size()), last.data(), 0, true, nullptr);
+        }
         const int copy = dup(mosquitto_socket(client));
         Properties properties;
         if (ends) properties.add(MQTT_PROP_SESSION_EXPIRY_INTERVAL, 0);
@@ -317,6 +345,8 @@ struct BrokerClient::Connection {
         for (const std::string& topic : topics)
             mosquitto_subscribe_v5(client, nullptr, topic.c_str(), 1, MQTT_SUB_OPT_SEND_RETAIN_NEW,
                                    nullptr);
+        if (life) // not the last will of the run before
+            (void)publish_now(life->topic_of_will(), SignsOfLife::will(false), Delivery::retained);
         for (const auto& [topic, payload] : again) send(topic, payload, Delivery::retained);
         send_waiting();
     }
@@ -448,6 +478,7 @@ BrokerClient::~BrokerClient() {
 
 std::optional<BrokerMessage> BrokerClient::next(double timeout) {
     Connection& c = *connection_;
+    if (c.life) c.life->sign();
     const Instant began = this_instant();
     std::unique_lock lock(c.mutex);
     while (c.queue.empty() && !interrupted() && seconds_since(began) < timeout)
@@ -458,6 +489,7 @@ std::optional<BrokerMessage> BrokerClient::next(double timeout) {
 
 bool BrokerClient::publish(const std::string& topic, const std::string& payload,
                            Delivery delivery) {
+    if (connection_->life) connection_->life->sign();
     if (delivery == Delivery::retained) {
         const std::lock_guard lock(connection_->mutex);
         connection_->retained[topic] = payload;
@@ -471,6 +503,10 @@ void BrokerClient::flush(double timeout) {
     std::unique_lock lock(c.mutex);
     while (!(c.unconfirmed.empty() && c.waiting.empty()) && seconds_since(began) < timeout)
         c.came.wait_for(lock, glance);
+}
+
+SignsOfLife* BrokerClient::signs_of_life() {
+    return connection_->life ? &*connection_->life : nullptr;
 }
 
 void BrokerClient::end_session() {

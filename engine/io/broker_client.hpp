@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/io/broker_link.hpp"
+#include "engine/io/signs_of_life.hpp"
 #include "engine/options.hpp"
 
 #include <filesystem>
@@ -18,6 +19,7 @@ struct BrokerSettings {
     double timeout = 10;      ///< s to wait for the first answer
     double absence = 86400;   ///< s for which the broker keeps messages while the client is away
     std::string session = {}; ///< name under which it keeps them; empty: one of this client's own
+    std::string run = {};     ///< name under which the client gives signs of life; empty: none
 
     void describe(auto& option) {
         option("broker", address, "",
@@ -73,6 +75,8 @@ public:
     /// What is wrong with the connection, in one line with its address; empty: nothing.
     std::string problem() const;
     BrokerCounters counters() const override;
+    /// What the run says of itself; null if it has no name.
+    SignsOfLife* signs_of_life();
 
 private:
     struct Connection;

@@ -1,7 +1,7 @@
 #include "scenarios/assimilation/learning.hpp"
 
 #include "engine/errors.hpp"
-#include "engine/estimation/parameter_estimate.hpp"
+#include "scenarios/assimilation/specimen_correlation.hpp"
 
 #include <fmt/format.h>
 
@@ -14,18 +14,12 @@ namespace bris {
 
 namespace {
 
-constexpr double no_stress = 1e3;     // Pa, below which the logarithm of q is meaningless
 constexpr double compaction = 1e-3;   // volumetric strain of a specimen before it dilates
 constexpr double volume_noise = 0.02; // relative, of volumetric strain as measured
 // deviation of ln q by slips: members slip like the specimen, but at other strains
 constexpr double slip = 0.35;
 // in standard deviations of ln q; no member of the twin campaign is 3 away from the others
 constexpr double outlier_limit = 6;
-// A strong specimen also dilates and widens more: among eleven specimens of friction 0.7 ln q and
-// dilation have a correlation of 0.6 to 0.9, and each persists with about this memory
-// (tests/performance/packing_campaign). The memory is in units of ln strain.
-constexpr SpecimenCorrelation specimen_correlation{.memory = 4, .channels = 0.6};
-
 /// Channels of the estimate: quantities that are measured in a test and forecast by the members.
 enum Channel : std::size_t { strength, widening, dilation, channels };
 

@@ -74,7 +74,11 @@ void LiveModel::next_stage(const RecordedTest& so_far) {
         retired_ = std::exchange(answering_, std::exchange(catching_up_, {}));
         caught_up_at_ = strain;
     }
-    if (stage > 0) learn_at(strain, so_far, caught_up ? Due::now : Due::at_window_ends);
+    if (stage > 0) { // before the parameters are learned from this stage's record
+        fused_ = fused_stress(answering_->ensemble.members(), estimate(), measured_test(so_far),
+                              settings_.learning, stage);
+        learn_at(strain, so_far, caught_up ? Due::now : Due::at_window_ends);
+    }
     if (second_is_due()) {
         second_begun_ = stage;
         catching_up_.emplace(spread_around(prior_, estimates_), settings_.learning,

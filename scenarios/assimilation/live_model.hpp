@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scenarios/assimilation/analysis.hpp"
+#include "scenarios/assimilation/fused_stress.hpp"
 #include "scenarios/assimilation/learning.hpp"
 
 #include <optional>
@@ -48,6 +49,8 @@ public:
     /// The forecast of the ensemble alone.
     const ModelRun& forecast() const { return forecast_; }
     const std::vector<EstimateAt>& estimates() const { return estimates_; }
+    /// q of the last stage as expected from the records before it, and whether its record agrees.
+    const FusedStress& fused() const { return fused_; }
     Gaussian estimate() const { return estimates_.empty() ? prior_ : estimates_.back().estimate; }
     double strain() const { return state_.points.back().axial_strain; }
     /// Axial strain of the stage that next_stage will compute.
@@ -84,6 +87,7 @@ private:
     double caught_up_at_ = 0, lost_second_at_ = 0;
     std::vector<EstimateAt> estimates_;
     ModelRun forecast_, state_;
+    FusedStress fused_;
 };
 
 } // namespace bris

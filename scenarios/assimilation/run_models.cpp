@@ -61,9 +61,9 @@ class RunsTogether {
 public:
     RunsTogether(const TriaxialScene& scene, const TriaxialSettings& settings,
                  const Archive& specimen, const std::vector<ModelVariant>& variants,
-                 const Common& common, Progress& progress)
+                 const Common& common, Progress& progress, WatchModels watch)
         : scene_(scene), settings_(settings), specimen_(specimen), common_(common),
-          progress_(progress) {
+          progress_(progress), watch_(std::move(watch)) {
         for (const ModelVariant& variant : variants)
             members_.push_back(std::make_unique<Member>(
                 Member{CheckpointedRun(common, settings_, specimen, variant), variant, nullptr}));
@@ -99,9 +99,14 @@ private:
     void advance(std::size_t k, std::size_t points) {
         Member& member = *members_[k];
         if (!member.run) {
+            ModelWatch watched = watch_on(progress_, k);
+            if (watch_)
+                watched.progress = [this, k, shown = watched.progress](const PhaseProgress& now) {
+                    shown(now);
+                    watch_(k, now);
+                };
             member.run = std::make_unique<VariantRun>(scene_, settings_, specimen_, member.variant,
-                                                      common_.seed, watch_on(progress_, k),
-                                                      &member.checkpoint);
+                                                      common_.seed, watched, &member.checkpoint);
         }
         member.run->advance_to(points);
     }
@@ -111,6 +116,7 @@ private:
     const Archive& specimen_;
     const Common& common_;
     Progress& progress_;
+    WatchModels watch_;
     // by pointer, since the run of a member refers to its checkpoint
     std::vector<std::unique_ptr<Member>> members_;
 };
@@ -146,9 +152,9 @@ std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& spe
 
 ConcurrentRuns begin_models(const TriaxialScene& scene, const TriaxialSettings& settings,
                             const Archive& specimen, const std::vector<ModelVariant>& variants,
-                            const Common& common, Progress& progress) {
-    const auto together =
-        std::make_shared<RunsTogether>(scene, settings, specimen, variants, common, progress);
+                            const Common& common, Progress& progress, const WatchModels& watch) {
+    const auto together = std::make_shared<RunsTogether>(scene, settings, specimen, variants,
+                                                         common, progress, watch);
     return {[together](std::vector<ModelRun>& runs, std::size_t points) {
                 together->advance(runs, points);
             },

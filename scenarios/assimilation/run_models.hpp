@@ -34,10 +34,12 @@ std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& spe
 /// Begins runs of several variants that advance together, step by step as requested, `threads` at a
 /// time; all of them are in memory at once, with checkpoints in the results folder. The sizes of
 /// the steps do not change a bit of the results. Scene, specimen, `common` and `progress` have to
-/// outlive the runs.
+/// outlive the runs. `watch`: told the progress of each, too, by several threads at once.
+using WatchModels = std::function<void(std::size_t model, const PhaseProgress&)>;
 ConcurrentRuns begin_models(const TriaxialScene& scene, const TriaxialSettings& settings,
                             const Archive& specimen, const std::vector<ModelVariant>& variants,
-                            const Common& common, Progress& progress);
+                            const Common& common, Progress& progress,
+                            const WatchModels& watch = {});
 
 /// Reports the progress of one of several models.
 ModelWatch watch_on(Progress& progress, std::size_t model);

@@ -64,6 +64,8 @@ std::optional<StreamPassage> PassageStream::next() {
             take(*line);
         } else if (!interrupted() && (lines_->over() || left <= 0)) {
             over_ = true;
+        } else {
+            gate_.tick(lines_->now());
         }
         if (over_) gate_.end();
         update();
@@ -372,7 +374,7 @@ std::string PassageStream::report() const {
     return fmt::format("{} lines read, {} records: {} in passages, {} quiet, {} left out, {} "
                        "wait\n",
                        taken_, c.received, c.in_passages, c.quiet, c.left_out, c.waiting) +
-           gate_.accounts().report() + gate_.report();
+           gate_.accounts().report() + gate_.report() + parser_.ignored();
 }
 
 } // namespace bris

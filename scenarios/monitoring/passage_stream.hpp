@@ -115,7 +115,8 @@ private:
     std::string name_of(double common) const;
 
     std::unique_ptr<Lines> lines_;
-    RecordParser parser_;
+    RecordParser parser_{"t",  "id", "seq", "flags", "end", "ax", "ay", "az", "gx",  "gy",
+                         "gz", "mx", "my",  "mz",    "qw",  "qx", "qy", "qz", "temp", "batt"};
     Gate gate_;
     PassageStreamSettings settings_;
     std::map<unsigned, Sensor> sensors_;

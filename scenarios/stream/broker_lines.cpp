@@ -32,7 +32,8 @@ std::vector<std::string> BrokerLines::topics() {
             "smartrock/+/config/ack", std::string(of_machine), BrokerLink::own_topic};
 }
 
-BrokerLines::BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos) : link_(link) {
+BrokerLines::BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos, Order order)
+    : link_(link), order_(order) {
     for (const SensorInfo& info : infos) sensors_[info.id];
 }
 
@@ -148,6 +149,7 @@ void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage&
              fmt::format("{}: {} samples are missing after {:.6g} s; some may come late",
                          message.topic, sensor.track.counters().missing - missing,
                          sensor.last_time));
+    if (order_ == Order::judged_by_gate) return add(id, sensor, p, message);
     switch (verdict) {
     case accepted:
     case late:
@@ -203,9 +205,10 @@ void BrokerLines::publish_health() {
 std::string BrokerLines::health() const {
     const BrokerCounters b = link_.counters();
     std::string text =
-        fmt::format("{{\"messages\": {}, \"machine_records\": {}, \"breaks\": {}, "
-                    "\"lost_sessions\": {}, \"dropped\": {}, \"sensors\": [",
-                    messages_, machine_records_, b.breaks, b.lost_sessions, b.dropped);
+        fmt::format("{{\"time\": {:.3f}, \"messages\": {}, \"machine_records\": {}, "
+                    "\"breaks\": {}, \"lost_sessions\": {}, \"dropped\": {}, \"sensors\": [",
+                    WallClock().at(this_instant()), messages_, machine_records_, b.breaks,
+                    b.lost_sessions, b.dropped);
     bool first = true;
     for (const auto& [id, s] : sensors_) {
         const auto& c = s.track.counters();

@@ -30,8 +30,11 @@ public:
 
     /// The topics to subscribe.
     static std::vector<std::string> topics();
+    /// Who judges the order, counts and times of the records: these lines, or a Gate behind them.
+    enum class Order { judged_here, judged_by_gate };
     /// The link has to live longer. `infos`: the sensors that are known.
-    BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos);
+    BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos,
+                Order order = Order::judged_here);
     std::optional<Line> next(double timeout) override;
     bool over() const override { return ready_.empty() && link_.over(); }
     double now() const override { return link_.now(); }
@@ -63,6 +66,7 @@ private:
     void publish_health();
 
     BrokerLink& link_;
+    Order order_;
     std::map<unsigned, Sensor> sensors_;
     std::deque<Line> ready_;
     std::uint64_t lines_ = 0, messages_ = 0, machine_records_ = 0;

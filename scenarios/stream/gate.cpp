@@ -24,7 +24,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Of the numbers of a record, which tells copies from others.
 std::uint64_t content_of(const StreamRecord& record) {
     std::uint64_t hash = 0xcbf29ce484222325u;
-    for (const auto& [name, number] : record.numbers)
+    for (const auto& [name, number] : record.numbers())
         hash = (hash ^ std::bit_cast<std::uint64_t>(number)) * 0x100000001b3u;
     return hash;
 }

@@ -50,9 +50,12 @@ std::string report_on_log(const StreamLog* log, const RunBrokerSettings& s) {
 
 RunBroker::RunBroker(const RunBrokerSettings& s, const std::filesystem::path& stream, double speed,
                      const Common& common)
-    : gives_records_(stream.empty() || records_of_log(stream) == LoggedRecords::messages) {
+    : name_(s.client.session.empty() ? common.scenario : s.client.session),
+      gives_records_(stream.empty() || records_of_log(stream) == LoggedRecords::messages) {
     if (!s.client.address.empty()) {
-        client_.emplace(s.client, common.scenario,
+        BrokerSettings client = s.client;
+        client.run = name_;
+        client_.emplace(client, common.scenario,
                         stream.empty() ? BrokerLines::topics() : std::vector<std::string>{},
                         stream.empty() ? BrokerClient::Start::answered : BrokerClient::Start::any);
         if (const std::string problem = client_->problem(); !problem.empty())
@@ -62,8 +65,13 @@ RunBroker::RunBroker(const RunBrokerSettings& s, const std::filesystem::path& st
         replayed_.emplace(stream, speed, client_ ? &*client_ : nullptr);
 }
 
+void RunBroker::report_doing(const std::string& doing, double left) {
+    if (client_ && client_->signs_of_life()) client_->signs_of_life()->report(doing, left);
+}
+
 void RunBroker::finish() {
     if (!client_) return;
+    if (client_->signs_of_life()) client_->signs_of_life()->end();
     client_->flush(farewell);
     client_->end_session();
 }

@@ -8,6 +8,7 @@
 #include "scenarios/stream/logged_link.hpp"
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,10 +67,17 @@ public:
     /// Whether records come from here.
     bool gives_records() const { return gives_records_; }
     /// The records, as lines; called once.
-    std::unique_ptr<BrokerLines> lines(const std::vector<SensorInfo>& infos) {
-        return std::make_unique<BrokerLines>(link(), infos);
+    std::unique_ptr<BrokerLines> lines(const std::vector<SensorInfo>& infos,
+                                       BrokerLines::Order order) {
+        return std::make_unique<BrokerLines>(link(), infos, order);
     }
     BrokerLink& link() { return logged_ ? *logged_ : source(); }
+    /// Name of the run in its signs of life and alarms: of its session, else of its scenario.
+    const std::string& name() const { return name_; }
+    /// What the run does from now on, for its signs of life, and the time (s) until that is done;
+    /// NaN: unknown.
+    void report_doing(const std::string& doing,
+                      double left = std::numeric_limits<double>::quiet_NaN());
     /// Waits a moment for the last publications and ends the session.
     void finish();
 
@@ -79,6 +87,7 @@ private:
         return *client_;
     }
 
+    std::string name_;
     bool gives_records_;
     std::optional<BrokerClient> client_;
     std::optional<ReplayedLink> replayed_;

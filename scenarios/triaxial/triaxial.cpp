@@ -15,8 +15,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace bris {
+
+namespace {
+
+/// How far compression is: it ends when the porosity is met, or friction, which falls from `first`
+/// by the same factor in each block at rest, is nearly nothing.
+double compressed_share(const TriaxialState& s, double first) {
+    constexpr double last = 5e-3;
+    if (s.poured_porosity == 0) return 0; // they are still poured
+    const double whole = s.poured_porosity - s.porosity_before_taps,
+                 by_porosity = whole > 0 ? (s.poured_porosity - s.prepared_porosity) / whole : 1,
+                 now = std::max(last, s.preparation_friction),
+                 by_friction = first > last ? std::log(first / now) / std::log(first / last) : 1;
+    return std::clamp(std::max(by_porosity, by_friction), 0.0, 1.0);
+}
+
+} // namespace
 
 void TriaxialState::save(Archive& archive) const {
     const std::array<std::uint64_t, 7> counts{
@@ -139,7 +156,7 @@ std::string TriaxialTest::equilibrium_status() const {
     return text;
 }
 
-// the lengths of preparation and consolidation are not known in advance
+// the lengths of vibration, taps and consolidation are not known in advance
 PhaseProgress TriaxialTest::progress() const {
     const TriaxialState& s = state();
     const double unknown = -1, stages = settings_.final_axial_strain / settings_.stage_strain;
@@ -148,6 +165,7 @@ PhaseProgress TriaxialTest::progress() const {
     case TriaxialPhase::fill:
         return filling_progress();
     case TriaxialPhase::compress:
+        return {"preparation", compressed_share(s, preparation_friction()), preparation_status()};
     case TriaxialPhase::vibrate:
     case TriaxialPhase::tap:
         return {"preparation", unknown, preparation_status()};

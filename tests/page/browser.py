@@ -60,7 +60,8 @@ class Browser:
         return data
 
     def value(self, expression):
-        result = self.call('Runtime.evaluate', expression=expression, returnByValue=True)
+        result = self.call('Runtime.evaluate', expression=expression, returnByValue=True, awaitPromise=True,
+                           allowUnsafeEvalBlockedByCSP=False)
         if 'exceptionDetails' in result:
             return None
         return result['result'].get('value')

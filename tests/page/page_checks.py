@@ -87,12 +87,12 @@ def check_keyboard(browser):
             break
     names = [name for name, _, _ in reached]
     print('keyboard:', ', '.join(names))
-    expected = ['rocks', 'only-sensors', 'table-of-sensors', 'config-sensor', 'config-rate', 'config-strategy', 'config-threshold', 'config-send']
+    expected = ['rocks', 'only-sensors', 'find-sensor', 'table-of-sensors', 'config-sensor', 'config-rate', 'config-strategy', 'config-threshold', 'config-send']
     assert names == expected, f'expected the tab order {expected}, found {names}'
     for name, label, is_visible in reached:
         assert label, f'{name} has no name for a screen reader'
         assert is_visible, f'the focus on {name} is not visible'
-    revision = 'bris.sensors.get(+document.getElementById("config-sensor").value).config?.revision ?? 0'
+    revision = 'bris.sensors.get(document.getElementById("config-sensor").value).config?.revision ?? 0'
     before = browser.value(revision)
     press('Enter', 13, '\r')  # on the button
     wait_for('settings that are sent by keyboard', lambda: browser.value(revision) > before, 5)

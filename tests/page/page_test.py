@@ -3,14 +3,17 @@
 
 Checks that the pose of a rock on screen is the published one, that an alarm appears within a second, that a
 changed setting is published retained and its acknowledgement is shown, and that the page is back after a restart
-of the broker; that it does not fall behind 400 rocks at 10 Hz; and what page_checks.py says of keyboard, sizes and colours. Prints what it measures. Exit code 77: skipped, a program is missing.
-page_test.py PAGE_FOLDER [--picture FILE] [--pictures FOLDER] [--bodies N]
+of the broker; that it does not fall behind 400 rocks at 10 Hz; what page_checks.py says of keyboard, sizes and colours, page_hostile.py of hostile
+messages, and real_runs.py of real runs of live_triaxial and monitor. Prints what it measures. Exit code 77: skipped, a program is missing.
+page_test.py PAGE_FOLDER [--bin FOLDER] [--pictures FOLDER] [--bodies N] [--only NAME]
+page_test.py PAGE_FOLDER --sources: only whether the page was built from its sources as they are.
 """
 import argparse
-import json
+import hashlib
 import math
 import os
 import random
+import re
 import shutil
 import struct
 import sys
@@ -20,6 +23,8 @@ import time
 from broker import MOSQUITTO, Broker, Client, wait_for
 from browser import Browser
 from page_checks import check_frames, check_keyboard, check_sizes_and_colours
+from page_hostile import beat, check_age, check_hostile, check_login, check_many, check_policy
+from real_runs import check_monitor, check_triaxial
 
 
 def scene_and_poses(bodies, clump):
@@ -70,69 +75,94 @@ def check_pose(browser, poses, body):
     return error, place
 
 
+def check_messages(a, browser, broker):
+    """Poses, alarms, settings, and the broker's restart."""
+    state = lambda: browser.value('document.getElementById("connection").dataset.state')
+    client = Client(broker.mqtt, 'test')
+    client.connect()
+    clump = read_clump(os.path.join(a.page, '..', 'clumps', 'rock_01.csv'))
+    scene, poses = scene_and_poses(a.bodies, clump)
+    broker.publish('bris/scene', scene)
+    for part in pose_parts(poses, 0.01):
+        broker.publish(*part)
+    wait_for('poses', lambda: browser.value('bris.rocks.placed && bris.rocks.placed.length') == a.bodies)
+    errors = [check_pose(browser, poses, b) for b in (0, 7, a.bodies - 1)]
+    print(f'poses: {a.bodies} rocks of {len(clump)} spheres, largest error {max(map(max, errors)):.2g} m')
+
+    for bad in (pose_parts([[2.0] * 7] * (a.bodies - 1), 1), pose_parts([[2.0] * 7] * (a.bodies + 1), 1, a.bodies), [('bris/poses/0', b'\x02')]):
+        broker.publish(*bad[0])  # does not fit the scene
+    broker.publish('bris/scene', b'not JSON', False)
+    alarm = lambda kind, words, reason: {'state': kind, 'verdict': words, 'reason': reason, 't': 0.01, 'run': 'test'}
+    beat(client, 'test')
+    broker.publish('smartrock/3/alarm', alarm('active', 'left out', 'gravity: found 12 m/s2'))
+    shown = 'document.querySelector("#alarms li.alarm[data-sensor=\'3\']") !== null'
+    began = time.monotonic()
+    wait_for('an alarm', lambda: browser.value(shown), 1)
+    print(f'alarm: shown {time.monotonic() - began:.3f} s after its publication')
+
+    broker.publish('bris/health', {'messages': 4000, 'machine_records': 80, 'breaks': 0, 'dropped': 0, 'sensors': [
+        {'id': k, 'status': 'online', 'samples': 400, 'missing': k % 3, 'duplicates': 0, 'refused': 0, 'battery': 3.7}
+        for k in range(1, 11)]})
+    wait_for('sensors', lambda: browser.value('document.querySelectorAll("#sensors tr").length') >= 10)
+    browser.value('(() => { document.getElementById("config-sensor").value = "4"; document.getElementById("config-rate").value = "50"; '
+                  'document.getElementById("config-strategy").value = "triggered"; document.getElementById("settings").requestSubmit(); })()')
+    config, _ = wait_for('a retained configuration', lambda: broker.retained('smartrock/4/config'))
+    assert (config['rate_hz'], config['strategy'], config['threshold']) == (50, 'triggered', 5), config
+    shown = 'document.getElementById("config-state").textContent'
+    assert 'not acknowledged' in browser.value(shown)
+    broker.publish('smartrock/4/config/ack', {'accepted': True, 'revision': config['revision']})
+    _, waited = wait_for('an acknowledgement', lambda: browser.value(shown) == 'sensor 4: acknowledged', 5)
+    print(f'setting: published retained, acknowledgement shown within {waited:.3f} s')
+    check_sizes_and_colours(browser, a.pictures)
+    check_keyboard(browser)
+    many, poses = scene_and_poses(400, clump)
+    check_frames(browser, broker, many, pose_parts, poses)
+
+    broker.stop()
+    wait_for('a page without connection', lambda: state() == 'broken')
+    wait_for('a page that is grey', lambda: browser.value('document.body.dataset.stale') == 'gone')
+    broker.start()
+    _, waited = wait_for('a page that is back', lambda: state() == 'connected', 30)
+    client = Client(broker.mqtt, 'test')
+    client.connect()
+    beat(client, 'test')
+    broker.publish('smartrock/3/alarm', alarm('clear', 'in use', ''))
+    wait_for('the end of the alarm', lambda: browser.value('bris.alarms.state("sensor 3")') == 'clear')
+    client.close()
+    print(f'restart of the broker: the page is back {waited:.2f} s later and subscribed')
+
+
+def check_sources(page):
+    """The page names the hash of the sources from which it was built."""
+    sources = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'scenarios', 'monitoring', 'page')
+    names = sorted(n for n in os.listdir(sources) if n.endswith(('.js', '.css', '.html', '.mjs', '.json')))
+    found = hashlib.sha256()
+    for name in names:
+        with open(os.path.join(sources, name), 'rb') as f:
+            found.update(f.read())
+    with open(os.path.join(page, 'index.html')) as f:
+        built = re.search(r'<meta name="sources" content="([0-9a-f]*)">', f.read())[1]
+    assert built == found.hexdigest(), 'assets/live_page/index.html is older than its sources: npm ci && npm run build in scenarios/monitoring/page'
+
+
 def main(a, folder):
     broker = Broker(folder, os.path.abspath(a.page))
-    browser = Browser(folder, f'http://127.0.0.1:{broker.web}/index.html')
+    url = f'http://127.0.0.1:{broker.web}/index.html'
+    browser = Browser(folder, url)
     try:
-        state = lambda: browser.value('document.getElementById("connection").dataset.state')
-        wait_for('a connected page', lambda: state() == 'connected', 60)
-        clump = read_clump(os.path.join(a.page, '..', 'clumps', 'rock_01.csv'))
-        scene, poses = scene_and_poses(a.bodies, clump)
-        broker.publish('bris/scene', scene)
-        for part in pose_parts(poses, 0.01):
-            broker.publish(*part)
-        wait_for('poses', lambda: browser.value('bris.rocks.placed && bris.rocks.placed.length') == a.bodies)
-        errors = [check_pose(browser, poses, b) for b in (0, 7, a.bodies - 1)]
-        print(f'poses: {a.bodies} rocks of {len(clump)} spheres, largest error {max(map(max, errors)):.2g} m')
-
-        for bad in (pose_parts([[2.0] * 7] * (a.bodies - 1), 1), pose_parts([[2.0] * 7] * (a.bodies + 1), 1, a.bodies), [('bris/poses/0', b'\x02')]):
-            broker.publish(*bad[0])  # does not fit the scene
-        broker.publish('bris/scene', b'not JSON', False)
-        broker.publish('smartrock/3/alarm', {'active': True, 'verdict': 'left out', 'reason': 'gravity: found 12 m/s2', 't': 0.01})
-        shown = 'document.querySelector("#alarms li.alarm[data-sensor=\'3\']") !== null'
-        began = time.monotonic()
-        wait_for('an alarm', lambda: browser.value(shown), 1)
-        print(f'alarm: shown {time.monotonic() - began:.3f} s after its publication')
-
-        broker.publish('bris/health', {'messages': 4000, 'machine_records': 80, 'breaks': 0, 'dropped': 0, 'sensors': [
-            {'id': k, 'status': 'online', 'samples': 400, 'missing': k % 3, 'duplicates': 0, 'refused': 0, 'battery': 3.7}
-            for k in range(1, 11)]})
-        wait_for('sensors', lambda: browser.value('document.getElementById("config-sensor").options.length') == 10)
-        browser.value('(() => { document.getElementById("config-sensor").value = "4"; document.getElementById("config-rate").value = "50"; '
-                      'document.getElementById("config-strategy").value = "triggered"; document.getElementById("settings").requestSubmit(); })()')
-        config, _ = wait_for('a retained configuration', lambda: broker.retained('smartrock/4/config'))
-        assert (config['rate_hz'], config['strategy'], config['threshold']) == (50, 'triggered', 5), config
-        shown = 'document.getElementById("config-state").textContent'
-        assert 'not acknowledged' in browser.value(shown)
-        broker.publish('smartrock/4/config/ack', {'accepted': True, 'revision': config['revision']})
-        _, waited = wait_for('an acknowledgement', lambda: browser.value(shown) == 'sensor 4: acknowledged', 5)
-        print(f'setting: published retained, acknowledgement shown within {waited:.3f} s')
-
-        states = Client(broker.mqtt, 'states')
-        states.connect()
-        for k in range(60):
-            e = 1e-4 * k
-            numbers = {'axial_strain': e, 'q_Pa': 4e5 * (1 - math.exp(-400 * e)), 'measured_q_Pa': 4.1e5 * (1 - math.exp(-380 * e)),
-                     'volumetric_strain': 0.3 * e, 'measured_volumetric_strain': 0.28 * e, 'friction': 0.6 + 0.1 * math.exp(-500 * e),
-                     'friction_deviation': 0.1 * math.exp(-300 * e), 'stiffness_ratio': 0.9, 'stiffness_ratio_deviation': 0.1}
-            states.publish('bris/state', json.dumps(numbers).encode())
-            states.poll()
-        wait_for('curves', lambda: browser.value('bris.curves.rows.length') == 60)
-        if a.picture:
-            time.sleep(1)
-            browser.picture(a.picture)
-        check_sizes_and_colours(browser, a.pictures)
-        check_keyboard(browser)
-        many, poses = scene_and_poses(400, clump)
-        check_frames(browser, broker, many, pose_parts, poses)
-
-        broker.stop()
-        wait_for('a page without connection', lambda: state() == 'broken')
-        broker.start()
-        _, waited = wait_for('a page that is back', lambda: state() == 'connected', 30)
-        broker.publish('smartrock/3/alarm', {'active': False, 'verdict': 'in use', 'reason': '', 't': 0.02})
-        wait_for('the end of the alarm', lambda: browser.value('document.querySelector("#alarms li.alarm") === null'))
-        print(f'restart of the broker: the page is back {waited:.2f} s later and subscribed')
+        checks = {'triaxial': lambda: check_triaxial(browser, broker, a.bin, folder), 'monitor': lambda: check_monitor(browser, broker, a.bin, folder),
+                  'policy': lambda: check_policy(browser), 'login': lambda: check_login(browser, url), 'age': lambda: check_age(browser, broker, url),
+                  'hostile': lambda: check_hostile(browser, broker), 'messages': lambda: check_messages(a, browser, broker),
+                  'many': lambda: check_many(browser, broker)}
+        for name, check in checks.items():
+            if a.only and name not in a.only.split(','):
+                continue
+            browser.call('Page.navigate', url=url)
+            wait_for('a connected page', lambda: browser.value('document.getElementById("connection").dataset.state') == 'connected', 60)
+            check()
+            if a.pictures:
+                time.sleep(1)
+                browser.picture(os.path.join(a.pictures, f'{name}.png'), whole=True)
     finally:
         browser.close()
         broker.stop()
@@ -141,12 +171,19 @@ def main(a, folder):
 if __name__ == '__main__':
     parser = argparse.ArgumentParser()
     parser.add_argument('page')
-    parser.add_argument('--picture')
+    parser.add_argument('--bin', default=os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'build', 'bin'),
+                        help='Folder of the programs.')
+    parser.add_argument('--only', help='Names of checks, separated by commas.')
+    parser.add_argument('--sources', action='store_true')
     parser.add_argument('--pictures', help='Folder for pictures of the page on a phone and on a desk, light and dark.')
     parser.add_argument('--bodies', type=int, default=100)
+    arguments = parser.parse_args()
+    check_sources(arguments.page)
+    if arguments.sources:
+        sys.exit(0)
     missing = [p for p in (MOSQUITTO, 'mosquitto_pub', 'chromium') if not shutil.which(p)]
     if missing:
         print(f'skipped: {", ".join(missing)} not installed (Debian: mosquitto mosquitto-clients chromium)')
         sys.exit(77)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as place:
-        main(parser.parse_args(), place)
+        main(arguments, place)

@@ -1,67 +1,67 @@
 import mqtt from "mqtt/dist/mqtt.esm";
+import { Alarms } from "./alarms.js";
 import { Curves } from "./curves.js";
 import { Rocks } from "./rocks.js";
+import { Runs } from "./runs.js";
+import { Sensors } from "./sensors.js";
+import { cut, element, finite, span } from "./words.js";
 
 const at = (id) => document.getElementById(id);
 const text = new TextDecoder();
-const rocks = new Rocks(at("rocks"));
-const curves = new Curves(at("curves"));
-const sensors = new Map(); // by id: { health, config, ack, alarm }
-const longest = 8 << 20;   // characters of a payload that is read
-let client = null, revision = 0;
+const longest = 8 << 20; // characters of a payload that is read
+const rocks = new Rocks(at("rocks")), curves = new Curves(at("curves")), runs = new Runs();
+const alarms = new Alarms(at("alarms"), at("alarm-counts"), runs);
+const sensors = new Sensors(at("sensors"), at("sensors-note"), at("find-sensor"), alarms);
+let client = null, revision = 0, lag = null;
 
-const sensor = (id) => {
-  if (!sensors.has(id)) sensors.set(id, {});
-  return sensors.get(id);
-};
-
-const cell = (row, content) => { row.insertCell().textContent = content; };
-
-function showSensors() {
-  const body = at("sensors"), chosen = at("config-sensor");
-  const ids = [...sensors.keys()].sort((a, b) => a - b);
-  body.replaceChildren();
-  for (const id of ids) {
-    const { health: h = {}, config, ack } = sensors.get(id), row = body.insertRow();
-    const acknowledged = config && ack && ack.revision === config.revision;
-    cell(row, id); cell(row, h.status ?? "unknown"); cell(row, h.samples ?? 0);
-    cell(row, h.missing ?? 0); cell(row, h.duplicates ?? 0); cell(row, h.refused ?? 0);
-    cell(row, h.battery == null ? "unknown" : h.battery.toFixed(2));
-    cell(row, config ? `${config.rate_hz} Hz, ${config.strategy}, ` +
-      (acknowledged ? "acknowledged" : "not acknowledged yet") : "as delivered");
-  }
-  if (chosen.options.length !== ids.length) {
-    const before = chosen.value;
-    chosen.replaceChildren(...ids.map((id) => new Option(`sensor ${id}`, id)));
-    if (before) chosen.value = before;
-  }
-}
-
-function showAlarms() {
-  const active = [...sensors].filter(([, s]) => s.alarm && s.alarm.active).sort((a, b) => a[0] - b[0]);
-  at("alarms").replaceChildren(...(active.length ? active : [null]).map((entry) => {
-    const item = document.createElement("li");
-    if (!entry) { item.className = "note"; item.textContent = "none"; return item; }
-    item.className = "alarm";
-    item.dataset.sensor = entry[0];
-    item.textContent = `Sensor ${entry[0]}: ${entry[1].alarm.verdict}. `;
-    const reason = document.createElement("span");
-    reason.textContent = entry[1].alarm.reason;
-    item.append(reason);
+function showRuns() {
+  const found = [...runs.runs.keys()].sort().map((name) => ({ name, ...runs.describe(name) }));
+  at("runs").replaceChildren(...found.map(({ name, kind, text: words }) => {
+    const item = element("li", `${name}: ${words}`);
+    item.dataset.kind = kind;
     return item;
   }));
-  rocks.alarm(new Set(active.map(([id]) => id)));
+  const stale = runs.stale();
+  at("stale").hidden = !stale;
+  if (stale && at("stale").textContent !== stale.text) at("stale").textContent = stale.text;
+  at("stale").dataset.kind = document.body.dataset.stale = stale ? stale.kind : "";
+  at("lag").textContent = lag === null ? "lag: unknown" : `lag: the model answered the last record ${lag < 10 ? lag.toFixed(2) : lag.toFixed(0)} s after its arrival`;
 }
 
-function showHealth(report) {
-  for (const h of report.sensors ?? []) sensor(h.id).health = h;
-  at("health").textContent = `${report.messages} messages, ${report.machine_records} records of the ` +
-    `test machine, ${report.breaks} breaks of the model's connection, ${report.dropped} dropped`;
+/// All that depends on messages and on time; at most a few times a second, however many messages come.
+function show() {
+  showRuns();
+  alarms.show();
+  const active = alarms.active();
+  rocks.alarm(new Set(active.map(Number)));
+  if (show.sensors) { show.sensors = false; sensors.show(); }
+  const hasSensorCurves = [...curves.series.keys()].some((topic) => topic.startsWith("bris/sensor/"));
+  at("curve-sensor-label").hidden = !hasSensorCurves;
+}
+function schedule(ofSensors = false) {
+  show.sensors ||= ofSensors;
+  schedule.due ??= setTimeout(() => { schedule.due = undefined; show(); }, sensors.sensors.size > 500 ? 1000 : 100);
+}
+setInterval(() => schedule(true), 1000); // what is alive changes with time
+
+function takeHealth(h) {
+  sensors.takeHealth(h.sensors);
+  const number = (n) => (finite(n) ? n : "unknown");
+  at("health").textContent = `${number(h.messages)} messages, ${number(h.machine_records)} records of the test machine, ` +
+    `${number(h.breaks)} breaks of the model's connection, ${number(h.dropped)} dropped`;
+  if (!at("config-sensor").value && sensors.sensors.size) at("config-sensor").value = cut(sensors.listed()[0], 10);
 }
 
-const retained = { alarm: showAlarms, config: showSensors, "config/ack": showSensors };
+const ofSensor = {
+  alarm: (id, content) => alarms.take(`sensor ${id}`, `Sensor ${id}`, id, content),
+  config: (id, content) => { sensors.get(id).config = content; },
+  "config/ack": (id, content) => {
+    sensors.get(id).ack = content;
+    at("config-state").textContent = `sensor ${cut(id, 40)}: ${content.accepted === true ? "acknowledged" : "refused: " + cut(content.reason)}`;
+  },
+};
 
-function take(topic, payload) {
+function take(topic, payload, retained) {
   if (payload.length > longest) return;
   if (topic.startsWith("bris/poses/")) {
     const count = rocks.poses(payload);
@@ -69,29 +69,35 @@ function take(topic, payload) {
     return;
   }
   const content = JSON.parse(text.decode(payload));
-  if (topic === "bris/scene") {
-    at("title").textContent = content.title;
+  if (content === null || typeof content !== "object") return;
+  const [, run, will] = /^bris\/run\/([^/]{1,80})(\/gone)?$/.exec(topic) ?? [];
+  const [, id, what] = /^smartrock\/([^/]+)\/(alarm|config|config\/ack)$/.exec(topic) ?? [];
+  if (run) runs.take(cut(run, 80), !!will, content, retained);
+  else if (id) ofSensor[what](id, content);
+  else if (topic.startsWith("bris/alarm/")) alarms.take(topic, cut(topic.slice(11), 40), null, content);
+  else if (topic === "bris/scene") {
+    at("title").textContent = cut(content.title, 100);
     rocks.scene(content);
-  } else if (topic === "bris/state") curves.add(content);
-  else if (topic === "bris/health") { showHealth(content); showSensors(); }
+  } else if (topic === "bris/numbers") curves.table(content);
+  else if (topic === "bris/health") takeHealth(content);
   else {
-    const [, id, what] = /^smartrock\/(\d+)\/(alarm|config|config\/ack)$/.exec(topic) ?? [];
-    if (!id) return;
-    sensor(+id)[{ alarm: "alarm", config: "config", "config/ack": "ack" }[what]] = content;
-    retained[what]();
-    if (what === "config/ack") at("config-state").textContent =
-      `sensor ${id}: ${content.accepted ? "acknowledged" : "refused: " + content.reason}`;
+    if (topic === "bris/timing") lag = finite(content.latency_s) ? content.latency_s : null;
+    curves.add(topic, content);
+    return;
   }
+  schedule(!run);
 }
 
 function state(name, words) {
   at("connection").dataset.state = name;
   at("connection").textContent = words;
+  runs.connect(name === "connected");
+  schedule();
 }
 
 function connect(address, username, password) {
   if (client) client.end(true);
-  client = mqtt.connect(address, { protocolVersion: 5, reconnectPeriod: 1000, connectTimeout: 5000,
+  client = mqtt.connect(address, { protocolVersion: 5, reconnectPeriod: 1000, connectTimeout: 5000, timerVariant: "native",
     clean: true, username: username || undefined, password: password || undefined,
     properties: { maximumPacketSize: longest } });
   client.on("connect", () => {
@@ -99,36 +105,43 @@ function connect(address, username, password) {
     at("login").hidden = true;
     client.subscribe(["bris/#", "smartrock/+/alarm", "smartrock/+/config", "smartrock/+/config/ack"], { qos: 1 });
   });
-  client.on("close", () => state("broken", "no connection; trying again"));
+  client.on("close", () => { if (at("connection").dataset.state !== "broken") state("broken", "no connection; trying again"); });
   client.on("error", (error) => {
-    state("broken", error.message);
+    state("broken", cut(error.message));
     if (/not authori[sz]ed|bad user/i.test(error.message)) { client.end(true); at("login").hidden = false; }
   });
-  client.on("message", (topic, payload) => {
-    try { take(topic, payload); } catch (error) { console.warn(topic, error.message); }
+  client.on("message", (topic, payload, packet) => {
+    try { take(topic, payload, packet.retain === true); } catch (error) { console.warn(cut(topic, 80), cut(error.message)); }
   });
 }
 
 at("settings").addEventListener("submit", (event) => {
   event.preventDefault();
   const id = at("config-sensor").value;
-  if (!client || id === "") return;
+  if (!client || !/^[0-9]{1,10}$/.test(id)) return;
   revision = Math.max(revision + 1, Date.now());
   client.publish(`smartrock/${id}/config`, JSON.stringify({ revision, rate_hz: +at("config-rate").value,
     strategy: at("config-strategy").value, threshold: +at("config-threshold").value }), { qos: 1, retain: true });
   at("config-state").textContent = `sensor ${id}: sent, not acknowledged yet`;
 });
 at("only-sensors").addEventListener("change", (event) => rocks.only(event.target.checked));
+at("find-sensor").addEventListener("input", () => schedule(true));
+at("curve-sensor").addEventListener("input", (event) => curves.choose(event.target.value.trim() || null));
+
+// The broker is the server that the page comes from, whatever the URL says; a page that is opened from disk asks for a port of this
+// computer. Others are refused by the Content-Security-Policy, too.
+const served = location.protocol === "http:" || location.protocol === "https:";
+const origin = served ? location.origin.replace(/^http/, "ws") : null;
+at("address-label").hidden = served;
+at("address-text").textContent = served ? `for the broker ${origin}` +
+  (origin.startsWith("ws:") && !/^ws:\/\/(127\.0\.0\.1|localhost|\[::1\])(:|$)/.test(origin) ? "; a password goes there without encryption" : "") : "";
 at("login").addEventListener("submit", (event) => {
   event.preventDefault();
-  connect(at("address").value, at("user").value, at("password").value);
+  const address = origin ?? at("address").value;
+  if (/^ws:\/\/(127\.0\.0\.1|localhost)(:\d+)?\/?$/.test(address) || address === origin) connect(address, at("user").value, at("password").value);
+  else state("broken", "expected ws://127.0.0.1:PORT");
+  at("password").value = "";
 });
-
-// ?broker=ws://HOST:PORT, else where the page comes from, else asked for
-const asked = new URLSearchParams(location.search).get("broker");
-const origin = location.protocol.startsWith("http") ? location.origin.replace(/^http/, "ws") : "";
-const address = asked && /^wss?:\/\//.test(asked) ? asked : origin;
-at("address").value = address || "ws://127.0.0.1:9001";
-if (address) connect(address);
+if (origin) connect(origin);
 else { state("waiting", "which broker?"); at("login").hidden = false; }
-window.bris = { rocks, curves, sensors, connect }; // for tests and the console
+window.bris = { rocks, curves, sensors, alarms, runs, take, span }; // for tests and the console

@@ -39,6 +39,8 @@ const material = () => new ShaderMaterial({
     }`,
 });
 
+const mostBodies = 200000, mostBalls = 2e6; // a scene that would fill the memory is not drawn
+
 /// Rocks as clumps of spheres, placed by the poses of their bodies.
 export class Rocks {
   constructor(canvas) {
@@ -58,8 +60,10 @@ export class Rocks {
   }
 
   scene({ shapes, bodies }) {
-    this.bodies = bodies.map(([id, shape, radius, sensor]) => ({ id, balls: shapes[shape] ?? [], radius, sensor }));
+    if (!Array.isArray(bodies) || bodies.length > mostBodies) throw new Error("expected a list of bodies");
+    this.bodies = bodies.map(([id, shape, radius, sensor]) => ({ id, balls: Array.isArray(shapes[shape]) ? shapes[shape] : [], radius, sensor }));
     const count = this.bodies.reduce((sum, b) => sum + b.balls.length, 0);
+    if (count > mostBalls) { this.bodies = []; throw new Error(`expected at most ${mostBalls} spheres, found ${count}`); }
     if (this.mesh) { this.world.remove(this.mesh); this.mesh.geometry.dispose(); this.mesh.material.dispose(); }
     const geometry = new BufferGeometry(), corners = new Float32Array(12 * count), order = new Uint32Array(6 * count);
     for (let k = 0; k < count; ++k) {

@@ -126,7 +126,8 @@ DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
     std::optional<GivenLink> link;
     if (way == Way::broker) {
         link.emplace(messages_of(samples));
-        lines = std::make_unique<BrokerLines>(*link, day.infos);
+        lines = std::make_unique<BrokerLines>(*link, day.infos,
+                                              BrokerLines::Order::judged_by_gate);
     } else {
         std::deque<Lines::Line> given;
         for (const Sent& s : samples)

@@ -115,9 +115,14 @@ TEST_SUITE("monitoring/passage_stream") {
         const TrainDay day = make_day(1, 3, 100, 1);
         Samples one;
         for (const Sent& s : day.samples) {
-            StreamRecord r{};
-            r.numbers = {{"ax", s.force.x()}, {"ay", s.force.y()}, {"az", s.force.z()},
-                         {"gx", s.rate.x()},  {"gy", s.rate.y()},  {"gz", s.rate.z()}};
+            StreamRecord r(1, Instant{}, s.arrival);
+            for (std::size_t k = 0; k < stream_fields.size(); ++k)
+                for (int i = 0; i < 3; ++i) {
+                    if (stream_fields[k] == std::array{"ax", "ay", "az"}[static_cast<std::size_t>(i)])
+                        r.add(k, s.force[i]);
+                    if (stream_fields[k] == std::array{"gx", "gy", "gz"}[static_cast<std::size_t>(i)])
+                        r.add(k, s.rate[i]);
+                }
             one.add({1, 0, s.t, static_cast<std::int64_t>(s.seq), std::move(r)});
         }
         CHECK(one.bytes() <= 100 * one.size());

@@ -1,4 +1,4 @@
-#include "scenarios/monitoring/state_publisher.hpp"
+#include "scenarios/monitoring/publisher.hpp"
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace bris {
 
@@ -36,7 +37,27 @@ std::int64_t shape_in(const BodyFrame& frame, std::size_t body) {
     return frame.shapes.empty() ? 0 : frame.shapes[body];
 }
 
+/// JSON has no NaN.
+nlohmann::json number(double x) { return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(); }
+
+template <NumbersOf Message>
+std::string json_of(const std::vector<ValueOf<Message>>& numbers) {
+    nlohmann::json all = nlohmann::json::object();
+    for (const auto& n : numbers) all[std::string(n.name.text)] = number(n.value);
+    return all.dump();
+}
+
+const char* text_of(AlarmState state) {
+    return state == AlarmState::active  ? "active"
+           : state == AlarmState::clear ? "clear"
+                                        : "unknown";
+}
+
 } // namespace
+
+Publisher::Publisher(BrokerLink& link, std::string run) : link_(link), run_(std::move(run)) {
+    link_.publish("bris/numbers", published_table(), Delivery::retained);
+}
 
 std::string scene_json(const World& world, const BodyFrame& frame,
                        const std::map<std::int64_t, unsigned>& sensors, const std::string& title) {
@@ -82,15 +103,15 @@ std::vector<std::string> parts_of_poses(const BodyFrame& frame) {
     return parts;
 }
 
-void StatePublisher::publish_scene(const World& world, const BodyFrame& frame,
-                                   const std::map<std::int64_t, unsigned>& sensors,
-                                   const std::string& title) {
+void Publisher::publish_scene(const World& world, const BodyFrame& frame,
+                              const std::map<std::int64_t, unsigned>& sensors,
+                              const std::string& title) {
     sensors_ = sensors;
     link_.publish("bris/scene", scene_json(world, frame, sensors, title), Delivery::retained);
     publish_poses(frame);
 }
 
-void StatePublisher::publish_poses(const BodyFrame& frame) {
+void Publisher::publish_poses(const BodyFrame& frame) {
     const auto parts = parts_of_poses(frame);
     for (std::size_t k = 0; k < parts.size(); ++k)
         link_.publish(fmt::format("bris/poses/{}", k), parts[k], Delivery::retained);
@@ -107,23 +128,37 @@ void StatePublisher::publish_poses(const BodyFrame& frame) {
     }
 }
 
-void StatePublisher::publish(const std::string& topic, const std::vector<NamedValue>& numbers) {
-    nlohmann::json state = nlohmann::json::object();
-    for (const NamedValue& n : numbers)
-        if (const double* x = std::get_if<double>(&n.value))
-            state[n.key] = std::isfinite(*x) ? nlohmann::json(*x) : nlohmann::json();
-    link_.publish(topic, state.dump(), Delivery::once_at_most);
+void Publisher::publish_test(const std::vector<ValueOf<NumbersOf::test>>& numbers) {
+    link_.publish("bris/state", json_of(numbers), Delivery::once_at_most);
 }
 
-void StatePublisher::publish(const SensorAlarm& alarm) {
-    const std::string text = fmt::format("{} {} {}", alarm.active, alarm.verdict, alarm.reason);
-    if (std::exchange(alarms_[alarm.sensor], text) == text) return;
-    link_.publish(fmt::format("smartrock/{}/alarm", alarm.sensor),
-                  nlohmann::json{{"active", alarm.active},
+void Publisher::publish_timing(const std::vector<ValueOf<NumbersOf::timing>>& numbers) {
+    link_.publish("bris/timing", json_of(numbers), Delivery::once_at_most);
+}
+
+void Publisher::publish_sensor(unsigned id,
+                               const std::vector<ValueOf<NumbersOf::sensor>>& numbers) {
+    link_.publish(fmt::format("bris/sensor/{}", id), json_of(numbers), Delivery::once_at_most);
+}
+
+void Publisher::publish_alarm(unsigned sensor, const PublishedAlarm& alarm) {
+    publish_alarm_on(fmt::format("smartrock/{}/alarm", sensor), alarm);
+}
+
+void Publisher::publish_alarm(const std::string& name, const PublishedAlarm& alarm) {
+    publish_alarm_on("bris/alarm/" + name, alarm);
+}
+
+void Publisher::publish_alarm_on(const std::string& topic, const PublishedAlarm& alarm) {
+    const std::string text =
+        fmt::format("{} {} {}", text_of(alarm.state), alarm.verdict, alarm.reason);
+    if (std::exchange(alarms_[topic], text) == text) return;
+    link_.publish(topic,
+                  nlohmann::json{{"state", text_of(alarm.state)},
                                  {"verdict", alarm.verdict},
                                  {"reason", alarm.reason},
-                                 {"t", std::isfinite(alarm.time) ? nlohmann::json(alarm.time)
-                                                                 : nlohmann::json()}}
+                                 {"t", number(alarm.time)},
+                                 {"run", run_}}
                       .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
                   Delivery::retained);
 }

@@ -1,4 +1,4 @@
-#include "scenarios/monitoring/state_publisher.hpp"
+#include "scenarios/monitoring/publisher.hpp"
 
 #include <doctest/doctest.h>
 
@@ -17,7 +17,7 @@ T number_at(const std::string& bytes, std::size_t place) {
 
 } // namespace
 
-TEST_SUITE("monitoring/state_publisher") {
+TEST_SUITE("monitoring/publisher") {
     TEST_CASE("poses are published in parts below 4 kB that hold every body once") {
         constexpr std::size_t bodies = 401;
         BodyFrame frame;

@@ -1,0 +1,54 @@
+#include "scenarios/assimilation/live_results.hpp"
+
+#include "engine/io/plot.hpp"
+#include "scenarios/assimilation/misfit.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace bris {
+
+void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
+               const std::vector<std::vector<double>>& rows, const LivePrediction& prediction) {
+    std::vector<Plot> panels;
+    const auto panel = [&](const char* title, const char* label, const MakeCurve& make) {
+        panels.push_back({.title = title,
+                          .x_label = "axial strain (%)",
+                          .y_label = label,
+                          .curves = compared_curves(points, make)});
+    };
+    panel("Deviatoric stress", "q (kPa)", curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
+    panel("Volumetric strain", "volumetric strain (%)",
+          curves_of(100, &TriaxialPoint::volumetric_strain));
+    Plot friction{.title = "Estimated friction coefficient (dashed: one standard deviation)",
+                  .x_label = "axial strain (%)",
+                  .y_label = "friction"};
+    for (const double sign : {0.0, 1.0, -1.0}) { // without labels: all in one colour
+        Curve curve{.style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
+        for (const auto& row : rows) {
+            curve.x.push_back(100 * row[0]);
+            curve.y.push_back(row[3] + sign * row[4]);
+        }
+        friction.curves.push_back(std::move(curve));
+    }
+    panels.push_back(std::move(friction));
+    if (prediction.last().not_used.empty()) {
+        const LibraryPrediction& p = prediction.last().predicted;
+        for (Curve& c : curves_of(prediction.last(), p.q, 1e-3))
+            panels[0].curves.push_back(std::move(c));
+        for (Curve& c : curves_of(prediction.last(), p.volume, 100))
+            panels[1].curves.push_back(std::move(c));
+    }
+    if (const RingEstimate& rings = prediction.rings(); rings.not_made.empty()) {
+        panels.push_back({.title = fmt::format("Rings at {:g} %", 100 * rings.strain),
+                          .x_label = "radial strain, widening positive (%)",
+                          .y_label = "ring, from below",
+                          .curves = curves_of(rings)});
+        panels.back().curves.push_back(ring_curve(
+            "measured", ring_strains(*points.measured, rings.strain), Curve::Style::points));
+    }
+    draw_plots(png, panels, 3);
+}
+
+} // namespace bris
