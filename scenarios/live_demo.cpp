@@ -9,8 +9,8 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/stream/local_broker.hpp"
-#include "scenarios/stream/recording_replay.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
+#include "scenarios/stream/recording_replay.hpp"
 
 #include <fmt/format.h>
 
@@ -134,6 +134,7 @@ void show_history(const Demo& d, const Common& common, BrokerClient& client) {
 }
 
 void run(const Demo& d, const Common& common) {
+    const SavesWhenInterrupted saves("the model's results so far are written");
     LocalBroker broker(
         {common.out, assets_folder() / "live_page", d.host, static_cast<int>(d.port)});
     fmt::print("page: {}\n", broker.page());

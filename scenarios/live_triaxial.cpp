@@ -2,6 +2,7 @@
 // and at every stage the model estimates friction, stiffness and the displacements of all rocks.
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
@@ -17,11 +18,11 @@
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
-#include "scenarios/stream/run_broker.hpp"
 #include "scenarios/monitoring/test_publisher.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
-#include "scenarios/stream/recorded_stream.hpp"
 #include "scenarios/specimens/write_option.hpp"
+#include "scenarios/stream/recorded_stream.hpp"
+#include "scenarios/stream/run_broker.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -328,6 +329,7 @@ void LiveRun::run() {
                    s_.stream == "-"    ? "standard input"
                    : s_.stream.empty() ? "the broker " + s_.broker.client.address
                                        : s_.stream.string());
+    const SavesWhenInterrupted saves("continue with --resume " + common_.out.string());
     try {
         follow();
     } catch (const Interrupted&) {

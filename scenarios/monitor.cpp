@@ -1,16 +1,17 @@
 // Does the ballast beside a sensor rock foul or loosen? Compares recordings of train passages with
 // a baseline and writes one page with the verdict.
 #include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/scenario.hpp"
 #include "engine/signal/fft.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
-#include "scenarios/stream/run_broker.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/state_publisher.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
+#include "scenarios/stream/run_broker.hpp"
 
 #include <fmt/format.h>
 
@@ -216,6 +217,7 @@ private:
     }
 
     void follow(const std::filesystem::path& metadata) {
+        saves_.emplace("the results so far are written");
         settings_.rest = m_.of_stream.window; // a train may pass when a window begins
         const auto infos = sensor_infos_in(metadata, "--baseline");
         PassageStream stream(lines_of(infos), infos, m_.of_stream);
@@ -261,6 +263,7 @@ private:
         report_results(common_, summary);
     }
 
+    std::optional<SavesWhenInterrupted> saves_; // until the files below are closed
     const Monitor& m_;
     const Common& common_;
     MonitorSettings settings_;
