@@ -1,6 +1,7 @@
 #include "engine/memory.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/ranks.hpp"
 
 #include <fmt/format.h>
 
@@ -50,15 +51,20 @@ void limit_memory(std::uint64_t bytes, unsigned threads) {
 }
 
 void require_memory(const std::string& option, double count, double bytes, std::uint64_t limit) {
-    const std::uint64_t machine = machine_memory();
-    const bool asked = limit > 0 && limit < machine;
-    const double most = static_cast<double>(asked ? limit : machine);
+    const unsigned ranks = Ranks::on_this_machine(); // each of them needs as much
+    const std::uint64_t share = machine_memory() / ranks;
+    const bool asked = limit > 0 && limit < share;
+    const double most = static_cast<double>(asked ? limit : share);
+    const std::string of = asked        ? "--memory"
+                           : ranks == 1 ? "the memory of this machine"
+                                        : fmt::format("the memory of this machine for each of {} "
+                                                      "ranks",
+                                                      ranks);
     require(bytes <= most,
             fmt::format(
                 "--{}: expected a number that fits in {:.3g} GiB ({}), found {:.6g}, which needs "
                 "about {:.3g} GiB",
-                option, gigabytes(most), asked ? "--memory" : "the memory of this machine", count,
-                gigabytes(bytes)));
+                option, gigabytes(most), of, count, gigabytes(bytes)));
 }
 
 } // namespace bris

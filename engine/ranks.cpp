@@ -1,5 +1,6 @@
 #include "engine/ranks.hpp"
 
+#include "engine/child_program.hpp"
 #include "engine/errors.hpp"
 #include "engine/exit_codes.hpp"
 #include "engine/interrupt.hpp"
@@ -12,8 +13,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 #include <utility>
@@ -41,6 +40,8 @@ bool runs() {
     MPI_Finalized(&ended);
     return started != 0 && ended == 0;
 }
+
+unsigned sharing_this_machine = 1;
 
 // What ranks say of their end, apart from the messages for which the others may still wait.
 MPI_Comm ending = MPI_COMM_NULL;
@@ -123,6 +124,8 @@ unsigned Ranks::size() {
     return static_cast<unsigned>(size);
 }
 
+unsigned Ranks::on_this_machine() { return sharing_this_machine; }
+
 bool Ranks::available() { return true; }
 
 void Ranks::sum(std::span<std::int64_t> entries) {
@@ -179,6 +182,12 @@ RanksOfProgram::RanksOfProgram() {
             int provided = 0;
             MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
             MPI_Comm_dup(MPI_COMM_WORLD, &ending);
+            MPI_Comm here = MPI_COMM_NULL;
+            int size = 1;
+            MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+            MPI_Comm_size(here, &size);
+            MPI_Comm_free(&here);
+            sharing_this_machine = static_cast<unsigned>(size);
             return;
         }
 }
@@ -198,6 +207,7 @@ void RanksOfProgram::abort(int code) {
 
 unsigned Ranks::rank() { return 0; }
 unsigned Ranks::size() { return 1; }
+unsigned Ranks::on_this_machine() { return 1; }
 bool Ranks::available() { return false; }
 void Ranks::sum(std::span<std::int64_t>) {}
 void Ranks::sum(std::span<double>) {}
@@ -234,28 +244,19 @@ int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
     if (geteuid() == 0) command.emplace_back("--allow-run-as-root");
     command.push_back(std::filesystem::read_symlink("/proc/self/exe").string());
     command.insert(command.end(), arguments.begin(), arguments.end());
-    std::vector<char*> words;
-    for (std::string& word : command) words.push_back(word.data());
-    words.push_back(nullptr);
     // in a group of its own, because mpirun kills the ranks at Ctrl-C; it passes on SIGUSR1, at
     // which they save a checkpoint
-    posix_spawnattr_t own_group;
-    posix_spawnattr_init(&own_group);
-    posix_spawnattr_setflags(&own_group, POSIX_SPAWN_SETPGROUP);
-    std::signal(SIGCHLD, SIG_DFL); // were it ignored, the exit code of the ranks would be lost
-    pid_t child = 0;
-    const int failed = posix_spawnp(&child, words[0], nullptr, &own_group, words.data(), environ);
-    posix_spawnattr_destroy(&own_group);
-    if (failed != 0) throw OutputError("--ranks: cannot start mpirun");
-    int status = 0;
+    const Saving saving;
+    ChildProgram child(command, {.own_group = true});
     bool asked = false;
-    while (waitpid(child, &status, WNOHANG) == 0) {
-        if (interrupted() && !std::exchange(asked, true)) kill(child, SIGUSR1);
+    while (child.runs()) {
+        if (interrupted() && !std::exchange(asked, true)) child.send(SIGUSR1);
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    const int code = child.exit_code();
     for (const auto& [known, meaning] : exit_codes)
         if (code == static_cast<int>(known)) return code;
+    if (asked) throw Interrupted("interrupted before the ranks had begun");
     throw SimulationError(fmt::format("a rank ended without a result ({} {}); continue from the "
                                       "last checkpoint with --resume",
                                       code > 128 ? "signal" : "exit code",

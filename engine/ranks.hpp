@@ -19,6 +19,7 @@ public:
     static unsigned rank(); ///< of this process, from 0
     static unsigned size();
     static bool is_first() { return rank() == 0; }
+    static unsigned on_this_machine(); ///< ranks that share its cores and its memory
     /// Whether this build can run on several ranks.
     static bool available();
 

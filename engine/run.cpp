@@ -11,26 +11,42 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace bris {
 
 namespace {
 
-// largest number of steps between readings of the wall clock
-constexpr std::uint64_t longest_block = 100;
+// Between two looks whether the user has asked to stop.
+constexpr std::uint64_t longest_block = 100; // steps
+constexpr double longest_blind = 0.5;        // s
+
+/// Number of steps without a look. On several ranks, which look together, it is the same on all,
+/// and blocks of few steps would be costly (Simulation::advance_unseen).
+std::uint64_t block_of(const Simulation& simulation) {
+    const StepCount& so_far = simulation.count();
+    if (Ranks::size() > 1 || so_far.steps == 0) return Ranks::size() > 1 ? longest_block : 1;
+    const double steps = longest_blind * static_cast<double>(so_far.steps) / so_far.wall_time;
+    return steps < static_cast<double>(longest_block)
+               ? std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps))
+               : longest_block;
+}
 constexpr auto position_path = "run/position";
 
 } // namespace
 
 void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgress& report) {
     bool advanced = false;
+    std::optional<SavesWhenInterrupted> saves;
+    const std::string hint = "continue with " + steps.resume_hint;
+    if (steps.save) saves.emplace(hint);
     try {
         while (steps.advance()) {
             advanced = true;
             report(steps.progress());
             if (Ranks::any(interrupted())) {
                 if (steps.save) steps.save();
-                throw Interrupted(fmt::format("interrupted; continue with {}", steps.resume_hint));
+                throw Interrupted("interrupted; " + hint);
             }
             if (steps.save && Ranks::any(timer.is_due())) {
                 steps.save();
@@ -97,6 +113,8 @@ void Run::resume(const std::filesystem::path& path,
 }
 
 void Run::go(const std::vector<Phase>& phases) {
+    const std::string hint = fmt::format("--resume {}", checkpoint_file(name_).string());
+    const SavesWhenInterrupted saves("continue with " + hint);
     try {
         for (; position_.phase < phases.size(); ++position_.phase, position_.begun = false) {
             const Phase& phase = phases[position_.phase];
@@ -108,7 +126,7 @@ void Run::go(const std::vector<Phase>& phases) {
             run_loop({.advance = [&] { return phase.advance(simulation_); },
                       .progress = [&] { return phase.progress(simulation_.world()); },
                       .save = [&] { save(); },
-                      .resume_hint = fmt::format("--resume {}", checkpoint_file(name_).string())},
+                      .resume_hint = hint},
                      timer_, report_);
             // the last phase stays the current one, so that a longer run continues it
             if (position_.phase + 1 == phases.size()) break;
@@ -132,7 +150,7 @@ Phase Run::timed(TimedPhase phase) const {
         if (now >= phase.steps) return false;
         const std::uint64_t next =
             std::min(phase.steps, (now / phase.sample_every + 1) * phase.sample_every);
-        simulation.advance_unseen(std::min(next - now, longest_block));
+        simulation.advance_unseen(std::min(next - now, block_of(simulation)));
         if (steps_in_phase() != next) return true;
         simulation.look();
         return phase.sample(simulation, next);
@@ -150,6 +168,7 @@ void Run::require_steps_left(std::uint64_t steps, const std::string& option) con
 }
 
 void Run::save_as(const std::string& name) const {
+    const Saving saving;
     simulation_.look();
     Checkpoint checkpoint{common_.scenario, clock().step, common_.settings, simulation_.snapshot()};
     const std::array<std::uint64_t, 3> position{position_.phase, position_.first_step,

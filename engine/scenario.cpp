@@ -47,6 +47,8 @@ namespace bris::detail {
 
 namespace {
 
+constexpr unsigned most_ranks_of_core = 4; // enough to try how a run divides
+
 int report(std::string name, std::string message, ExitCode code) {
     std::replace(message.begin(), message.end(), '\n', ' ');
     const bool first = Ranks::is_first();
@@ -59,20 +61,39 @@ int report(std::string name, std::string message, ExitCode code) {
     RanksOfProgram::abort(static_cast<int>(code));
 }
 
-/// Prepares this process to compute as one rank of several.
-void join_ranks(Common& common, unsigned wanted, const ScenarioInfo& info) {
-    common.ranks = Ranks::size();
-    require(wanted <= 1 || wanted == common.ranks || common.ranks == 1,
-            fmt::format("--ranks: expected {} as started, found {}", common.ranks, wanted));
-    if (std::max(wanted, common.ranks) == 1) return;
-    require(info.divides, fmt::format("--ranks: {} runs on one rank only", info.name));
-    if (common.ranks == 1) std::exit(start_ranks(wanted, common.arguments));
+unsigned cores() { return std::max(1U, std::thread::hardware_concurrency()); }
+
+/// Notes how many ranks this process is one of, or will start.
+void count_ranks(Common& common, unsigned wanted, const ScenarioInfo& info) {
+    const unsigned started = Ranks::size();
+    require(wanted <= 1 || wanted == started || started == 1,
+            fmt::format("--ranks: expected {} as started, found {}", started, wanted));
+    common.ranks = std::max(wanted, started);
+    require(common.ranks == 1 || info.divides,
+            fmt::format("--ranks: {} runs on one rank only", info.name));
+    if (started > 1 || wanted <= cores()) return; // who called mpirun or srun has chosen
+    require(wanted <= most_ranks_of_core * cores(),
+            fmt::format("--ranks: expected at most {}, {} on each of the {} cores of this machine, "
+                        "found {}",
+                        most_ranks_of_core * cores(), most_ranks_of_core, cores(), wanted));
+    say(fmt::format("{}: warning: --ranks: {} ranks take turns on {} cores", info.name, wanted,
+                    cores()));
+}
+
+/// Starts the other ranks, or prepares this process to compute as one of them.
+void join_ranks(Common& common) {
+    if (common.ranks == 1) return;
+    if (Ranks::size() == 1) std::exit(start_ranks(common.ranks, common.arguments));
     if (Ranks::is_first()) return;
     common.quiet = true;
     std::string folder = (std::filesystem::temp_directory_path() / "bris-rank-XXXXXX").string();
     if (mkdtemp(folder.data()) == nullptr)
         throw OutputError(fmt::format("cannot create directory '{}'", folder));
     common.out = folder;
+    static const Cleanup cleanup([folder] {
+        std::error_code ignored;
+        std::filesystem::remove_all(folder, ignored);
+    });
     if (std::freopen("/dev/null", "w", stdout) == nullptr)
         throw OutputError("cannot open /dev/null");
 }
@@ -135,7 +156,8 @@ struct CommonFlags {
         option(
             "ranks", ranks, "",
             "Number of processes (ranks of MPI) among which the world is divided. The results are "
-            "the same.",
+            "the same. More than the cores of the machine take turns, with a warning; more than "
+            "four for each core are refused.",
             within(1, 4096));
         option("memory", memory, "GiB",
                "Stop when the run needs more memory than this. 0: no limit.", within(0, 1 << 20));
@@ -188,9 +210,9 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
             "--assets: expected on the command line, found in a configuration file");
     for (const std::string& warning : options.warnings())
         say(fmt::format("{}: warning: {}", info.name, warning));
-    join_ranks(common, flags.ranks, info);
-    if (common.threads == 0)
-        common.threads = std::max(1u, std::thread::hardware_concurrency() / common.ranks);
+    count_ranks(common, flags.ranks, info);
+    join_ranks(common);
+    if (common.threads == 0) common.threads = std::max(1U, cores() / Ranks::on_this_machine());
     common.memory_limit = static_cast<std::uint64_t>(std::floor(flags.memory * 0x1p30));
     limit_memory(common.memory_limit, common.threads);
     common.settings = options.values();
@@ -208,10 +230,12 @@ void run_in_folder(const std::filesystem::path& folder, const std::function<void
         throw OutputError(
             fmt::format("cannot create directory '{}': {}", folder.string(), error.message()));
     const FolderInUse in_use(folder);
-    const auto remove_if_empty = [&] {
-        if (!Ranks::is_first()) std::filesystem::remove_all(folder, error); // see join_ranks
-        for (const auto& path : made) std::filesystem::remove(path, error);
+    const auto remove_if_empty = [folder, made = std::move(made), first = Ranks::is_first()] {
+        std::error_code ignored;
+        if (!first) std::filesystem::remove_all(folder, ignored); // see join_ranks
+        for (const auto& path : made) std::filesystem::remove(path, ignored);
     };
+    const Cleanup cleanup(remove_if_empty);
     try {
         body();
     } catch (...) {
@@ -226,10 +250,11 @@ void print_explanation(const std::string& text) {
 }
 
 int exit_code_of(const std::string& name, const std::function<void()>& body) {
+    CatchInterrupts catching(name);
     occupy_standard_streams();
     const RanksOfProgram ranks;
+    if (!Ranks::is_first()) catching.be_silent();
     try {
-        catch_interrupts();
         body();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             throw OutputError("cannot write to the standard output");
@@ -243,7 +268,9 @@ int exit_code_of(const std::string& name, const std::function<void()>& body) {
     } catch (const NotJudged& less) {
         return report(name, less.what(), ExitCode::not_judged);
     } catch (const Interrupted& stop) {
-        return report(name, stop.what(), ExitCode::interrupted);
+        const std::string words = how_to_continue();
+        return report(name, words.empty() ? stop.what() : "interrupted; " + words,
+                      ExitCode::interrupted);
     } catch (const std::system_error& error) { // of a file, or of a closed standard output
         return report(name, error.what(), ExitCode::io_failure);
     } catch (const std::bad_alloc&) {

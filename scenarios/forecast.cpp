@@ -4,6 +4,7 @@
 // say of the site turns their movements into the probability that a threshold will be exceeded
 // there.
 #include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/stopwatch.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/forecast/forecast_results.hpp"
@@ -198,12 +199,8 @@ void run_forecast(const Forecast& f, const Common& common) {
 }
 
 void run(const Forecast& f, const Common& common) {
-    try {
-        run_forecast(f, common);
-    } catch (const Interrupted&) {
-        throw Interrupted(
-            fmt::format("interrupted; continue with --resume {}", common.out.string()));
-    }
+    const SavesWhenInterrupted saves("continue with --resume " + common.out.string());
+    run_forecast(f, common);
 }
 
 std::string explain(const Forecast& f, const Common& common) {

@@ -155,6 +155,7 @@ void run(const Demo& d, const Common& common) {
             fmt::format("--history: expected the log (stream.ndjson) of a run over a broker, found "
                         "'{}'",
                         d.history.string()));
+    const SavesWhenInterrupted saves("the model's results so far are written");
     LocalBroker broker(
         {common.out, assets_folder() / "live_page", d.host, static_cast<int>(d.port)});
     fmt::print("page: {}\n", broker.page());

@@ -2,6 +2,7 @@
 // and at every stage the model estimates friction, stiffness and the displacements of all rocks.
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
@@ -333,6 +334,7 @@ void LiveRun::run() {
                    s_.stream == "-"    ? "standard input"
                    : s_.stream.empty() ? "the broker " + s_.broker.client.address
                                        : s_.stream.string());
+    const SavesWhenInterrupted saves("continue with --resume " + common_.out.string());
     try {
         follow();
     } catch (const Interrupted&) {

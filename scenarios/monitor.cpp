@@ -1,6 +1,7 @@
 // Does the ballast beside a sensor rock foul or loosen? Compares recordings of train passages with
 // a baseline and writes one page with the verdict.
 #include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/not_judged.hpp"
 #include "engine/scenario.hpp"
 #include "engine/signal/fft.hpp"
@@ -270,6 +271,7 @@ private:
     }
 
     void follow(const std::filesystem::path& metadata) {
+        saves_.emplace("the results so far are written");
         PassageStreamSettings of_stream = m_.of_stream;
         of_stream.quantity = settings_.quantity;
         for (const SensorBaseline& b : baselines_)
@@ -320,6 +322,7 @@ private:
             throw NotJudged("--require all: " + left);
     }
 
+    std::optional<SavesWhenInterrupted> saves_; // until the files below are closed
     const Monitor& m_;
     const Common& common_;
     MonitorSettings settings_;

@@ -4,6 +4,7 @@
 #include "engine/assets.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
@@ -246,12 +247,7 @@ void Computation::prepare() {
         packings_.at(members[job - 1]) =
             make_packing(of_library, {s.porosity, s.seed}, library_.settings, common_, report);
     };
-    try {
-        run_ensemble(1 + members.size(), common_.threads, make);
-    } catch (const Interrupted&) { // each names its own checkpoint, and there are several
-        throw Interrupted(
-            fmt::format("interrupted; continue with --resume {}", common_.out.string()));
-    }
+    run_ensemble(1 + members.size(), common_.threads, make);
     progress_.pause();
     preparation_wall_ = seconds_since(began);
 }
@@ -476,6 +472,7 @@ void run(const Smart& given, const Common& common) {
     const auto infos = read_sensor_infos(s.recordings);
     TriaxialScene scene = make_scene(s.triaxial, common.seed);
     require_sensor_for_each(scene.poses, infos);
+    const SavesWhenInterrupted saves("continue with --resume " + common.out.string());
     Computation computation(s, common, std::move(scene), judged_tests(s, common, infos));
     computation.run();
     computation.report();

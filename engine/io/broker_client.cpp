@@ -3,7 +3,6 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/arrival.hpp"
-#include "engine/io/csv.hpp"
 #include "engine/io/message_queue.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/printable.hpp"
@@ -11,10 +10,13 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 
 #ifdef BRIS_MOSQUITTO
+#include "engine/io/mqtt_packets.hpp"
+#include "engine/message.hpp"
+
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <condition_variable>
@@ -24,25 +26,13 @@
 #include <mqtt_protocol.h>
 #include <mutex>
 #include <poll.h>
+#include <span>
 #include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
 #endif
 
 namespace bris {
-
-std::pair<std::string, int> host_and_port(const std::string& address) {
-    const auto colon = address.rfind(':');
-    std::string host = address.substr(0, colon == std::string::npos ? 0 : colon);
-    if (host.size() > 1 && host.front() == '[' && host.back() == ']')
-        host = host.substr(1, host.size() - 2);
-    const auto port =
-        colon == std::string::npos ? std::nullopt : number_of(address.substr(colon + 1));
-    if (host.empty() || !port || !(*port >= 1 && *port <= 65535) || std::floor(*port) != *port)
-        throw InputError(
-            fmt::format("--broker: expected HOST:PORT, found \"{}\"", beginning_of(address)));
-    return {host, static_cast<int>(*port)};
-}
 
 #ifndef BRIS_MOSQUITTO
 
@@ -83,29 +73,6 @@ constexpr double shortest_wait = 1, longest_wait = 8;  // s, before connecting a
 constexpr double farewell = 2; // s that the thread of a connection has for its end
 constexpr int keep_alive = 20; // s
 
-std::string password_in(const std::filesystem::path& file) {
-    std::string text = read_whole(file);
-    text.resize(std::min(text.size(), text.find_first_of("\r\n")));
-    require(!text.empty(),
-            fmt::format("{}:1: expected a password, found an empty line", file.string()));
-    return text;
-}
-
-/// Properties of a packet of version 5.
-class Properties {
-public:
-    Properties() = default;
-    Properties(const Properties&) = delete;
-    ~Properties() { mosquitto_property_free_all(&list_); }
-    void add(int identifier, std::uint32_t value) {
-        mosquitto_property_add_int32(&list_, identifier, value);
-    }
-    const mosquitto_property* get() const { return list_; }
-
-private:
-    mosquitto_property* list_ = nullptr;
-};
-
 } // namespace
 
 /// The connection and the thread that runs it. The library waits for minutes for an address that
@@ -131,6 +98,7 @@ struct BrokerClient::Connection {
     bool is_connected = false, was_connected = false, closing = false, ended = false;
     bool ends_session = false, has_failed = false, was_refused = false;
     bool was_broken = false;          // until the thread has noted it
+    bool is_final = false;            // the problem will not go away: the thread ends
     bool is_late = false;             // what waited for the connection is being sent
     std::string problem, tls_problem; // of the connection; of the library's log
 
@@ -162,8 +130,8 @@ struct BrokerClient::Connection {
         mosquitto_int_option(client, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V5);
         mosquitto_int_option(client, MOSQ_OPT_TCP_NODELAY, 1);
         mosquitto_threaded_set(client, true);
-        const std::string password =
-            settings.password_file.empty() ? "" : password_in(settings.password_file);
+        settings.check();
+        const std::string password = settings.password();
         if (!settings.user.empty())
             mosquitto_username_pw_set(client, settings.user.c_str(),
                                       password.empty() ? nullptr : password.c_str());
@@ -181,14 +149,20 @@ struct BrokerClient::Connection {
         set_callbacks();
     }
     void set_callbacks() {
-        mosquitto_connect_v5_callback_set(
-            client, [](mosquitto*, void* self, int code, int flags, const mosquitto_property*) {
-                static_cast<Connection*>(self)->on_connect(code, (flags & 1) != 0);
-            });
+        mosquitto_connect_v5_callback_set(client, [](mosquitto*, void* self, int code, int flags,
+                                                     const mosquitto_property* more) {
+            static_cast<Connection*>(self)->on_connect(code, (flags & 1) != 0, other_broker(more));
+        });
         mosquitto_disconnect_v5_callback_set(
-            client, [](mosquitto*, void* self, int, const mosquitto_property*) {
-                static_cast<Connection*>(self)->on_disconnect();
+            client, [](mosquitto*, void* self, int code, const mosquitto_property* more) {
+                static_cast<Connection*>(self)->on_disconnect(code, other_broker(more));
             });
+        mosquitto_subscribe_v5_callback_set(client,
+                                            [](mosquitto*, void* self, int, int count,
+                                               const int* answers, const mosquitto_property*) {
+                                                static_cast<Connection*>(self)->on_subscribe(
+                                                    {answers, static_cast<std::size_t>(count)});
+                                            });
         mosquitto_message_callback_set(
             client, [](mosquitto*, void* self, const mosquitto_message* message) {
                 static_cast<Connection*>(self)->on_message(*message);
@@ -204,7 +178,8 @@ struct BrokerClient::Connection {
 
     // of the thread
 
-    /// Connects, and again after a break, until the connection is to be closed.
+    /// Connects, and again after a break, until the connection is to be closed or the broker has
+    /// said that it does not want this client.
     void run() {
         Properties properties;
         properties.add(MQTT_PROP_MAXIMUM_PACKET_SIZE, 2 * largest); // larger: the broker drops it
@@ -213,27 +188,34 @@ struct BrokerClient::Connection {
         int rc = mosquitto_connect_bind_v5(client, host.c_str(), port, keep_alive, nullptr,
                                            properties.get());
         for (double wait = shortest_wait;; wait = std::min(2 * wait, longest_wait)) {
-            while (rc == MOSQ_ERR_SUCCESS && !is_closing()) {
+            while (rc == MOSQ_ERR_SUCCESS && !is_over()) {
                 rc = mosquitto_loop(client, loop_ms, 1);
                 give_sign_of_life();
             }
             const int error = errno;
-            if (is_closing()) break;
+            if (is_over()) break;
             if (note_failure(rc, error)) wait = shortest_wait;
             const Instant since = this_instant();
-            while (seconds_since(since) < wait && !is_closing())
-                std::this_thread::sleep_for(glance);
-            if (is_closing()) break;
+            while (seconds_since(since) < wait && !is_over()) std::this_thread::sleep_for(glance);
+            if (is_over()) break;
             rc = mosquitto_reconnect(client);
         }
         say_farewell();
         const std::lock_guard lock(mutex);
         ended = true;
+        has_failed |= is_final;
+        if (is_final && was_connected && topics.empty()) // nobody waits for a message
+            say(problem + "; the run goes on without the broker");
         came.notify_all();
     }
-    bool is_closing() const {
+    bool is_over() const {
         const std::lock_guard lock(mutex);
-        return closing;
+        return closing || is_final;
+    }
+    void give_up(const std::string& why) { // the mutex is held
+        is_final = true;
+        is_connected = false;
+        problem = described(fmt::format("{} (client \"{}\")", why, name));
     }
     void give_sign_of_life() {
         if (!life || !life->is_due()) return;
@@ -320,7 +302,7 @@ struct BrokerClient::Connection {
             tls_problem = text.substr(text.rfind(':') + 1);
         }
     }
-    void on_connect(int code, bool has_session) {
+    void on_connect(int code, bool has_session, const std::string& elsewhere) {
         std::map<std::string, std::string> again;
         {
             const std::lock_guard lock(mutex);
@@ -330,6 +312,7 @@ struct BrokerClient::Connection {
                                 : described(fmt::format("the broker refused the client: {}",
                                                         mosquitto_reason_string(code)));
             is_connected = code == 0;
+            if (const std::string why = final_answer(code); !why.empty()) give_up(why + elsewhere);
             if (is_connected) {
                 std::erase_if(unconfirmed, [](const auto& one) { return !one.second; });
                 early.clear();
@@ -342,9 +325,12 @@ struct BrokerClient::Connection {
             came.notify_all();
         }
         if (code != 0) return;
-        for (const std::string& topic : topics)
-            mosquitto_subscribe_v5(client, nullptr, topic.c_str(), 1, MQTT_SUB_OPT_SEND_RETAIN_NEW,
-                                   nullptr);
+        if (!topics.empty()) {
+            std::vector<char*> names; // which the library only reads
+            for (std::string& topic : topics) names.push_back(topic.data());
+            mosquitto_subscribe_multiple(client, nullptr, static_cast<int>(names.size()),
+                                         names.data(), 1, MQTT_SUB_OPT_SEND_RETAIN_NEW, nullptr);
+        }
         if (life) // not the last will of the run before
             (void)publish_now(life->topic_of_will(), SignsOfLife::will(false), Delivery::retained);
         for (const auto& [topic, payload] : again) send(topic, payload, Delivery::retained);
@@ -365,12 +351,29 @@ struct BrokerClient::Connection {
             (void)publish_now(next.first, next.second, Delivery::at_least_once);
         }
     }
-    void on_disconnect() {
+    /// A topic that the broker refuses would be missing without a word.
+    void on_subscribe(std::span<const int> answers) {
+        const std::lock_guard lock(mutex);
+        std::string refused;
+        for (std::size_t k = 0; k < std::min(answers.size(), topics.size()); ++k)
+            if (answers[k] >= 128)
+                refused += fmt::format("{}\"{}\" ({})", refused.empty() ? "" : ", ", topics[k],
+                                       mosquitto_reason_string(answers[k]));
+        if (refused.empty()) return;
+        refused = "the broker refuses the subscription of " + refused;
+        if (std::ranges::all_of(answers, [](int answer) { return answer >= 128; }))
+            give_up(refused);
+        else
+            say(described(refused + "; the run goes on without these topics"));
+        came.notify_all();
+    }
+    void on_disconnect(int code, const std::string& elsewhere) {
         const std::lock_guard lock(mutex);
         if (!std::exchange(is_connected, false)) return; // there was none
         ++counters.breaks;
         tell("broken");
         problem = described("the connection is broken");
+        if (const std::string why = final_answer(code); !why.empty()) give_up(why + elsewhere);
         was_broken = true;
         came.notify_all();
     }
@@ -481,10 +484,11 @@ std::optional<BrokerMessage> BrokerClient::next(double timeout) {
     if (c.life) c.life->sign();
     const Instant began = this_instant();
     std::unique_lock lock(c.mutex);
-    while (c.queue.empty() && !interrupted() && seconds_since(began) < timeout)
+    while (c.queue.empty() && !c.is_final && !interrupted() && seconds_since(began) < timeout)
         c.came.wait_for(lock, glance);
-    if (c.queue.empty()) return {};
-    return c.queue.pop();
+    if (!c.queue.empty()) return c.queue.pop();
+    if (c.is_final) throw OutputError(c.problem);
+    return {};
 }
 
 bool BrokerClient::publish(const std::string& topic, const std::string& payload,
@@ -501,7 +505,8 @@ void BrokerClient::flush(double timeout) {
     Connection& c = *connection_;
     const Instant began = this_instant();
     std::unique_lock lock(c.mutex);
-    while (!(c.unconfirmed.empty() && c.waiting.empty()) && seconds_since(began) < timeout)
+    while (!(c.unconfirmed.empty() && c.waiting.empty()) && !c.is_final &&
+           seconds_since(began) < timeout)
         c.came.wait_for(lock, glance);
 }
 

@@ -20,6 +20,13 @@ struct BrokerSettings {
     double absence = 86400;   ///< s for which the broker keeps messages while the client is away
     std::string session = {}; ///< name under which it keeps them; empty: one of this client's own
     std::string run = {};     ///< name under which the client gives signs of life; empty: none
+    bool plain = false;       ///< the password may be sent without TLS
+
+    /// Throws InputError for an address that is none, a password without a user, and one that would
+    /// leave this computer unencrypted without `plain`.
+    void check() const;
+    /// The first line of the password's file; empty: there is none. Throws InputError, OutputError.
+    std::string password() const;
 
     void describe(auto& option) {
         option("broker", address, "",
@@ -27,7 +34,11 @@ struct BrokerSettings {
                "published. Empty: no broker.");
         option("broker_user", user, "", "User name for the broker. Empty: none is given.");
         option("broker_password_file", password_file, "",
-               "File with the password for the broker in its first line.");
+               "File with the password for the broker in its first line. It needs --broker-user; "
+               "to another computer it is only sent with TLS or --broker-plain.");
+        option("broker_plain", plain, "",
+               "Send the password without TLS to a broker on another computer. Everybody on the "
+               "way can read it.");
         option("broker_ca_file", ca_file, "",
                "Certificates (PEM) of the authorities that sign the broker's certificate. The "
                "connection is encrypted with TLS if it is given.");
@@ -45,6 +56,10 @@ struct BrokerSettings {
 /// which they were sent. After a break the client connects again, and gets those that the broker
 /// kept meanwhile (`BrokerSettings::absence`); it sends again what the broker has not confirmed,
 /// and the retained messages, since a broker may restart without them.
+///
+/// A broker that does not want this client, as it says (another client has taken the session over,
+/// wrong password, not authorised, banned, moved, subscription refused ...), is left alone: then
+/// `next` throws OutputError after the last message, and a client without topics says so once.
 class BrokerClient : public BrokerLink {
 public:
     static constexpr std::size_t largest = 1 << 16;     ///< bytes of a received message
@@ -63,6 +78,7 @@ public:
     /// Ends the session too, unless its name was given: then the broker keeps what arrives.
     ~BrokerClient() override;
 
+    /// Throws OutputError with the broker's final answer.
     std::optional<BrokerMessage> next(double timeout) override;
     /// While there is no connection, messages of at_least_once wait; others are not sent, but the
     /// last retained one of each topic is sent after the break.

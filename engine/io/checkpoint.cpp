@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/hdf5.hpp"
+#include "engine/io/unfinished_file.hpp"
 #include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
@@ -220,21 +221,16 @@ Checkpoint read_content(const fs::path& path) {
 } // namespace
 
 void write_checkpoint(const std::filesystem::path& name, const Checkpoint& checkpoint) {
+    const Saving saving;
     const fs::path path = file_to_write(name);
-    const fs::path unfinished = temporary_name(path);
-    std::error_code error;
     try {
-        write_content(unfinished, checkpoint);
-        seal(unfinished);
+        UnfinishedFile unfinished(path);
+        write_content(unfinished.path(), checkpoint);
+        seal(unfinished.path());
+        unfinished.put_in_place();
     } catch (const OutputError& problem) {
-        fs::remove(unfinished, error);
         throw OutputError(
             fmt::format("cannot write checkpoint '{}': {}", path.string(), problem.what()));
-    }
-    if (std::rename(unfinished.c_str(), path.c_str()) != 0) {
-        const int why = errno;
-        fs::remove(unfinished, error);
-        fail("write", path, why);
     }
     synchronise_directory(path.parent_path());
 }

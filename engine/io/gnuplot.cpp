@@ -1,50 +1,58 @@
 #include "engine/io/gnuplot.hpp"
 
+#include "engine/child_program.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/message.hpp"
 
 #include <fmt/format.h>
 
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <sys/wait.h>
-#include <system_error>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <sys/mman.h>
+#include <unistd.h>
 
 namespace bris {
 
 namespace {
 
-/// A gnuplot process that ends early must not end the simulation.
-class IgnorePipeSignal {
+/// A file in memory for another program, which may go on when this one is ended: nothing stays.
+class FileInMemory {
 public:
-    IgnorePipeSignal() {
-        struct sigaction ignore {};
-        ignore.sa_handler = SIG_IGN;
-        sigaction(SIGPIPE, &ignore, &before_);
+    FileInMemory() : handle_(memfd_create("gnuplot", MFD_CLOEXEC)) {
+        if (handle_ < 0) throw OutputError(std::strerror(errno));
     }
-    ~IgnorePipeSignal() { sigaction(SIGPIPE, &before_, nullptr); }
-    IgnorePipeSignal(const IgnorePipeSignal&) = delete;
-    IgnorePipeSignal& operator=(const IgnorePipeSignal&) = delete;
+    ~FileInMemory() { close(handle_); }
+    FileInMemory(const FileInMemory&) = delete;
+
+    int handle() const { return handle_; }
+    void write(std::string_view text) {
+        while (!text.empty()) {
+            const ssize_t count = ::write(handle_, text.data(), text.size());
+            if (count <= 0) throw OutputError(std::strerror(errno));
+            text.remove_prefix(static_cast<std::size_t>(count));
+        }
+    }
+    void to_begin() { lseek(handle_, 0, SEEK_SET); }
+    std::string content() {
+        to_begin();
+        std::string text;
+        std::array<char, 1 << 14> block{};
+        while (true) {
+            const ssize_t count = read(handle_, block.data(), block.size());
+            if (count <= 0) return text;
+            text.append(block.data(), static_cast<std::size_t>(count));
+        }
+    }
 
 private:
-    struct sigaction before_ {};
+    int handle_;
 };
 
-bool send(std::FILE* to, std::string_view text) {
-    return text.empty() || std::fwrite(text.data(), 1, text.size(), to) == text.size();
-}
-
-/// Whether the last chunk of a PNG is there: gnuplot does not notice a full disk.
-bool is_complete(const std::filesystem::path& png) {
-    constexpr std::string_view end{"\0\0\0\0IEND\xae\x42\x60\x82", 12};
-    std::ifstream file(png, std::ios::binary);
-    file.seekg(-static_cast<std::streamoff>(end.size()), std::ios::end);
-    std::string found(end.size(), ' ');
-    file.read(found.data(), static_cast<std::streamsize>(found.size()));
-    return file && found == end;
+/// Whether the last chunk of a PNG is there: gnuplot does not notice where it cannot write.
+bool is_complete(const std::string& png) {
+    return png.ends_with(std::string_view{"\0\0\0\0IEND\xae\x42\x60\x82", 12});
 }
 
 bool complain(const std::filesystem::path& png, const char* why) {
@@ -65,38 +73,30 @@ std::string gnuplot_quoted(const std::string& text) {
     return out + "'";
 }
 
-bool draw_with_gnuplot(const std::filesystem::path& name, unsigned width, unsigned height,
+bool draw_with_gnuplot(const std::filesystem::path& png, unsigned width, unsigned height,
                        std::string_view commands, std::string_view data) {
-    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0)
-        return complain(name, "gnuplot is not installed (Debian package gnuplot-nox)");
-    std::filesystem::path png;
     try {
-        png = file_to_write(name);
+        FileInMemory input, picture;
+        input.write(fmt::format("set encoding utf8\n"
+                                "set terminal pngcairo noenhanced size {},{} font 'DejaVu Sans,11' "
+                                "background '#ffffff'\n",
+                                width, height));
+        input.write(commands);
+        input.write(data);
+        input.to_begin();
+        const int code =
+            ChildProgram({"gnuplot"},
+                         {.input = input.handle(), .output = picture.handle(), .is_silent = true})
+                .wait();
+        if (code != 0 && interrupted()) return false; // Ctrl-C has ended gnuplot too
+        if (code != 0) return complain(png, "gnuplot failed");
+        const std::string drawn = picture.content();
+        if (!is_complete(drawn)) return complain(png, "cannot write the file");
+        write_whole(png, drawn);
+        return true;
     } catch (const OutputError& problem) {
-        return complain(name, problem.what());
+        return complain(png, problem.what());
     }
-    std::error_code error;
-    if (png.has_parent_path()) std::filesystem::create_directories(png.parent_path(), error);
-    const std::filesystem::path unfinished = temporary_name(png);
-    const IgnorePipeSignal guard;
-    std::FILE* const gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
-    if (!gnuplot) return complain(png, "cannot start gnuplot");
-    const std::string head =
-        fmt::format("set encoding utf8\n"
-                    "set terminal pngcairo noenhanced size {},{} font 'DejaVu Sans,11' "
-                    "background '#ffffff'\nset output {}\n",
-                    width, height, gnuplot_quoted(unfinished.string()));
-    const bool sent = send(gnuplot, head) && send(gnuplot, commands) && send(gnuplot, data);
-    const int status = pclose(gnuplot);
-    const bool drawn = sent && WIFEXITED(status) && WEXITSTATUS(status) == 0,
-               complete = drawn && is_complete(unfinished);
-    if (complete) std::filesystem::rename(unfinished, png, error);
-    if (!complete || error) {
-        std::error_code ignored;
-        std::filesystem::remove(unfinished, ignored);
-        return complain(png, drawn ? "cannot write the file" : "gnuplot failed");
-    }
-    return true;
 }
 
 } // namespace bris

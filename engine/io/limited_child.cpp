@@ -12,6 +12,7 @@
 #include <exception>
 #include <fcntl.h>
 #include <fstream>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -89,6 +90,9 @@ void limit_memory_of_child(std::uint64_t bytes) {
 #endif
 
 void restrict_child(const LimitedChild::Limits& limits, bool replaceable) {
+    // the parent hears requests to stop, and ends its children
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     const int nowhere = open("/dev/null", O_WRONLY); // a heap error is reported by the parent
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/encoding.hpp"
+#include "engine/io/unfinished_file.hpp"
 
 #include <fmt/format.h>
 
@@ -98,24 +99,17 @@ std::string read_text(const std::filesystem::path& path) {
 }
 
 void write_whole(const std::filesystem::path& name, std::string_view content) {
-    const std::filesystem::path path = file_to_write(name);
-    std::error_code error;
-    if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
-    if (error) fail("write", path, error.value());
-    const std::filesystem::path unfinished = temporary_name(path);
-    File file(std::fopen(unfinished.c_str(), "wb"));
-    if (!file) fail("write", path, errno);
+    UnfinishedFile unfinished(name);
+    File file(std::fopen(unfinished.path().c_str(), "wb"));
+    if (!file) fail("write", name, errno);
     errno = 0;
     const bool written =
         std::fwrite(content.data(), 1, content.size(), file.get()) == content.size() &&
         std::fflush(file.get()) == 0 && fsync(fileno(file.get())) == 0;
     int problem = written ? 0 : errno;
     if (std::fclose(file.release()) != 0 && problem == 0) problem = errno;
-    if (problem == 0 && std::rename(unfinished.c_str(), path.c_str()) != 0) problem = errno;
-    if (problem != 0 || !written) {
-        std::filesystem::remove(unfinished, error);
-        fail("write", path, problem);
-    }
+    if (problem != 0 || !written) fail("write", name, problem);
+    unfinished.put_in_place();
 }
 
 } // namespace bris

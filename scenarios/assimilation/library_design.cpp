@@ -3,6 +3,7 @@
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "engine/estimation/low_discrepancy.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/random.hpp"
 #include "scenarios/assimilation/library_member.hpp"
@@ -71,13 +72,9 @@ void LibraryMaker::run() {
         if (!library_.has(number)) missing.push_back(number);
     const double points = 1 + std::round(test_.test.final_axial_strain / test_.test.stage_strain);
     progress_.begin_job(static_cast<double>(missing.size() * library_.pressures.size()) * points);
-    try {
-        run_ensemble(missing.size(), common_.threads,
-                     [&](std::size_t job) { make(job, missing[job]); });
-    } catch (const Interrupted&) {
-        throw Interrupted(fmt::format("interrupted after {} specimens; continue with --resume {}",
-                                      library_.specimens.size(), common_.out.string()));
-    }
+    const SavesWhenInterrupted saves("continue with --resume " + common_.out.string());
+    run_ensemble(missing.size(), common_.threads,
+                 [&](std::size_t job) { make(job, missing[job]); });
     progress_.pause();
 }
 

@@ -1,7 +1,6 @@
 #include "scenarios/network/network_simulation.hpp"
 
 #include "engine/errors.hpp"
-#include "engine/interrupt.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +73,6 @@ void NetworkSimulation::add(double time, Kind kind, std::uint32_t entity, std::u
 void NetworkSimulation::run() {
     const double end = truth_.settings().duration;
     while (!events_.empty() && events_.top().time <= end) {
-        if (interrupted()) throw Interrupted("interrupted; no results were written");
         const Event event = events_.top();
         events_.pop();
         handle(event);

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
+#include "engine/io/unfinished_file.hpp"
 #include "scenarios/recordings/bench_hdf5.hpp"
 #include "scenarios/recordings/machine_file.hpp"
 #include "scenarios/recordings/machine_quality_control.hpp"
@@ -333,8 +334,11 @@ void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressu
                               const std::vector<TriaxialPoint>& measured,
                               const std::vector<double>& time) {
     const auto path = folder / folder_of(pressure) / "recordings.h5";
-    write_recordings_hdf5(path, with_poses(recordings, specimen, poses));
-    write_bench(path, measured, time, pi * specimen.radius * specimen.radius, pressure);
+    UnfinishedFile unfinished(path);
+    write_recordings_hdf5(unfinished.path(), with_poses(recordings, specimen, poses));
+    write_bench(unfinished.path(), measured, time, pi * specimen.radius * specimen.radius,
+                pressure);
+    unfinished.put_in_place();
 }
 
 } // namespace bris

@@ -1,7 +1,6 @@
 #include "scenarios/specimens/lattice.hpp"
 
 #include "engine/errors.hpp"
-#include "engine/interrupt.hpp"
 #include "engine/random.hpp"
 
 #include <fmt/format.h>
@@ -22,8 +21,7 @@ std::vector<Vec3> lattice_sites(const Lattice& l, std::size_t count,
     const Vec3 middle = 0.5 * (l.low + l.high);
     std::vector<Vec3> sites;
     for (int k = 0; k < n[2]; ++k)
-        for (int j = 0; j < n[1]; ++j) {
-            if (interrupted()) throw Interrupted("interrupted; nothing was written");
+        for (int j = 0; j < n[1]; ++j)
             for (int i = 0; i < n[0]; ++i) {
                 if (sites.size() == count) return sites;
                 // centred in x and y, from the floor upwards in z
@@ -34,7 +32,6 @@ std::vector<Vec3> lattice_sites(const Lattice& l, std::size_t count,
                 Random random(l.seed, sites.size());
                 sites.push_back(site + l.shift * l.pitch * random.uniform() * random.direction());
             }
-        }
     require(sites.size() == count,
             fmt::format(
                 "lattice: expected room for {} spheres, found {}; choose fewer spheres or a taller "

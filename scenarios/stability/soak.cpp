@@ -2,6 +2,7 @@
 // open files behind.
 #include "engine/errors.hpp"
 #include "engine/estimation/linear_fit.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/stopwatch.hpp"
@@ -41,8 +42,10 @@ std::size_t open_files() {
 /// A folder for the files of the scenes.
 struct Folder {
     fs::path path = fs::temp_directory_path() / fmt::format("bris_soak_{}", getpid());
+    Cleanup cleanup{[this] { remove(); }};
     Folder() { fs::create_directories(path); }
-    ~Folder() {
+    ~Folder() { remove(); }
+    void remove() {
         std::error_code ignored;
         fs::remove_all(path, ignored);
     }

@@ -124,6 +124,9 @@ bool BrokerLines::allows(Sensor& sensor, std::size_t samples, double now) const 
 }
 
 void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage& message) {
+    if (message.retained)
+        return note(fmt::format("retained {}", id),
+                    fmt::format("{}: a retained record is of another time", message.topic));
     SensorPayload p;
     try {
         p = parse_sensor_payload(message.payload);

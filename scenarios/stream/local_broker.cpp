@@ -9,12 +9,8 @@
 
 #include <arpa/inet.h>
 #include <chrono>
-#include <csignal>
-#include <cstring>
 #include <netinet/in.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 
@@ -62,34 +58,6 @@ std::string installed_broker() {
 }
 
 } // namespace
-
-ChildProgram::ChildProgram(const std::vector<std::string>& words) {
-    std::vector<std::string> copies = words;
-    std::vector<char*> pointers;
-    for (std::string& word : copies) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    const int error = posix_spawn(&id_, pointers[0], nullptr, nullptr, pointers.data(), environ);
-    if (error != 0)
-        throw OutputError(fmt::format("cannot start '{}': {}", words[0], std::strerror(error)));
-}
-
-bool ChildProgram::runs() {
-    int status = 0;
-    if (id_ <= 0 || waitpid(id_, &status, WNOHANG) != id_) return id_ > 0;
-    id_ = 0;
-    if (WIFEXITED(status)) code_ = WEXITSTATUS(status);
-    return false;
-}
-
-ChildProgram::~ChildProgram() {
-    if (!runs()) return;
-    kill(id_, SIGTERM);
-    const Instant began = this_instant();
-    while (runs() && seconds_since(began) < 20) std::this_thread::sleep_for(glance);
-    if (!runs()) return;
-    kill(id_, SIGKILL);
-    (void)waitpid(id_, nullptr, 0);
-}
 
 LocalBroker::LocalBroker(const LocalBrokerSettings& s) : host_(s.host) {
     const std::string program = installed_broker();

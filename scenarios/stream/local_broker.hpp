@@ -1,30 +1,12 @@
 #pragma once
 
+#include "engine/child_program.hpp"
+
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <sys/types.h>
-#include <vector>
 
 namespace bris {
-
-/// A program in a process of its own, in the process group of this one. SIGTERM ends it with the
-/// object.
-class ChildProgram {
-public:
-    /// Throws OutputError if it cannot be started.
-    explicit ChildProgram(const std::vector<std::string>& words);
-    ~ChildProgram();
-    ChildProgram(const ChildProgram&) = delete;
-    /// Whether it still runs.
-    bool runs();
-    /// Exit code of the ended program; -1: a signal ended it, or it still runs.
-    int exit_code() const { return code_; }
-
-private:
-    pid_t id_ = 0;
-    int code_ = -1;
-};
 
 /// Where a broker listens, and what it serves.
 struct LocalBrokerSettings {

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/hdf5.hpp"
+#include "engine/io/unfinished_file.hpp"
 
 #include <array>
 
@@ -65,7 +66,8 @@ void write_image(const std::filesystem::path& path, const VoxelBlocks& blocks,
                  const std::vector<NamedValue>& meta) {
     const VoxelRange range = fields.empty() ? VoxelRange{} : shown_range(blocks, *fields[0].shown);
     if (range.empty()) throw OutputError("cannot write '" + path.string() + "': no voxels to show");
-    Hdf5File file = Hdf5File::create(path);
+    UnfinishedFile unfinished(path);
+    Hdf5File file = Hdf5File::create(unfinished.path());
     set_grid(file, blocks.lattice(), range);
     const Hdf5File::Shape shape{range.size(2), range.size(1), range.size(0)};
     for (const FieldToWrite& field : fields)
@@ -89,6 +91,7 @@ void write_image(const std::filesystem::path& path, const VoxelBlocks& blocks,
             },
             entry.value);
     file.close();
+    unfinished.put_in_place();
 }
 
 } // namespace bris

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/limited_child.hpp"
+#include "engine/io/unfinished_file.hpp"
 #include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
@@ -270,16 +271,14 @@ void write_vdb(const std::filesystem::path& name, const VoxelBlocks& blocks,
         all.insertMeta(entry.key,
                        openvdb::StringMetadata(std::visit(
                            [](const auto& v) { return fmt::format("{}", v); }, entry.value)));
-    const std::filesystem::path unfinished = temporary_name(path);
-    std::error_code error;
     try {
-        openvdb::io::File file(unfinished.string());
+        UnfinishedFile unfinished(path);
+        openvdb::io::File file(unfinished.path().string());
         file.setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
         file.write(grids, all);
         file.close();
-        std::filesystem::rename(unfinished, path);
+        unfinished.put_in_place();
     } catch (const std::exception& why) {
-        std::filesystem::remove(unfinished, error);
         throw OutputError(fmt::format("cannot write '{}': {}", path.string(), why.what()));
     }
 }

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <ctime>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -56,14 +57,26 @@ void Process::send(int signal) const { kill(id_, signal); }
 Outcome Process::wait(double seconds) {
     int status = 0;
     bool hung = false;
-    while (waitpid(id_, &status, hung ? 0 : WNOHANG) == 0) {
+    rusage used{};
+    while (wait4(id_, &status, hung ? 0 : WNOHANG, &used) == 0) {
         hung = now() - began_ > seconds;
         if (hung)
             kill(id_, SIGKILL);
         else
             usleep(1000);
     }
-    return ended(status, hung);
+    Outcome outcome = ended(status, hung);
+    for (const timeval& time : {used.ru_utime, used.ru_stime})
+        outcome.processor_time +=
+            static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    return outcome;
+}
+
+double Process::processor_time() const {
+    clockid_t clock{};
+    timespec used{};
+    if (clock_getcpuclockid(id_, &clock) != 0 || clock_gettime(clock, &used) != 0) return 0;
+    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
 Outcome Process::ended(int status, bool hung) {

@@ -16,6 +16,7 @@ struct Outcome {
     int signal = 0;    ///< that ended it
     bool hung = false; ///< it was killed, because it did not end in time
     double seconds = 0;
+    double processor_time = 0; ///< s
     std::string out, err;
 };
 
@@ -32,6 +33,8 @@ public:
     void send(int signal) const;
     /// Waits until the end, at most `seconds`; then the process is killed.
     Outcome wait(double seconds);
+    /// Processor time that it has used so far, s.
+    double processor_time() const;
     /// The outcome of a process that somebody else has waited for, with its status.
     Outcome ended(int status, bool hung);
 

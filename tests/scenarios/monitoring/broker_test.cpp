@@ -136,6 +136,7 @@ TEST_SUITE("monitoring/broker") {
         CHECK_THROWS_AS(BrokerClient(wrong, "wrong", {}), OutputError);
         BrokerSettings nobody = broker.settings("model");
         nobody.user.clear();
+        nobody.password_file.clear();
         CHECK_THROWS_AS(BrokerClient(nobody, "nobody", {}), OutputError);
 
         BrokerClient model(broker.settings("model"), "model", BrokerLines::topics());
@@ -151,6 +152,51 @@ TEST_SUITE("monitoring/broker") {
         CHECK(rocks.counters().refused == 1);
         CHECK_FALSE(rocks.next(0.5)); // it may not read bris/
         CHECK(model.counters().refused == 0);
+    }
+
+    TEST_CASE("of two programs with one session the second one goes on, and the first one ends in "
+              "one line instead of throwing the other out") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        BrokerSettings settings = broker.settings("model");
+        settings.session = "site";
+        BrokerClient first(settings, "first", BrokerLines::topics());
+        BrokerLines lines(first, two_sensors());
+        BrokerClient second(settings, "second", BrokerLines::topics());
+        std::string end;
+        for (int k = 0; k < 100 && end.empty(); ++k)
+            end = message_of<OutputError>([&] { (void)lines.next(0.1); });
+        CHECK(contains(end, "another client has taken the session over (client \"site\")"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1500)); // a new try would be after 1 s
+        CHECK(second.connected());
+        CHECK(second.counters().breaks == 0);
+        CHECK_FALSE(first.connected());
+        BrokerClient rocks(broker.settings("rocks"), "rocks", {});
+        publish(rocks, "smartrock/1/imu", bytes_of(payload(0, 1, 1)));
+        const auto got = next_of_broker(second);
+        REQUIRE(got);
+        CHECK(got->topic == "smartrock/1/imu");
+    }
+
+    TEST_CASE("retained records of sensors and of the machine are of another time: they are "
+              "ignored and counted") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        BrokerClient rocks(broker.settings("rocks"), "rocks", {});
+        rocks.publish("smartrock/1/imu", bytes_of(payload(7, 1e6, 1)), Delivery::retained);
+        rocks.publish("test_machine/record", "{\"axial_strain\": 0.5}", Delivery::retained);
+        rocks.flush(5);
+        BrokerClient model(broker.settings("model"), "model", BrokerLines::topics());
+        BrokerLines lines(model, two_sensors());
+        std::this_thread::sleep_for(std::chrono::milliseconds(300)); // for the subscription
+        publish(rocks, "smartrock/1/imu", bytes_of(payload(0, 1, 1)));
+        const auto texts = all_lines(lines, 1);
+        REQUIRE(texts.size() == 1);
+        CHECK(contains(texts[0], "\"seq\": 0,"));
+        const std::string report = lines.report();
+        CHECK(contains(report, "1 time: smartrock/1/imu: a retained record is of another time"));
+        CHECK(contains(report, "1 time: test_machine/record: a retained record is of another"));
+        CHECK(contains(report, "sensor 1: 1 samples"));
     }
 
     TEST_CASE("after a restart of the broker the client is back, with its retained messages") {
