@@ -18,15 +18,16 @@ namespace bris {
 
 namespace {
 
-constexpr double level = 0.01;          // of the test
-constexpr unsigned shuffles = 199;      // of each kind
-constexpr unsigned enough = 10;         // that fit as well: more would not change the verdict
-constexpr double speed_range = 0.05;    // on either side of the stated speed
-constexpr double misplaced = 0.25;      // m, of the last axle between two speeds that are tried
-constexpr double reach = 0.5;           // s, of the beginning of the load before the series
-constexpr double spacing = 0.05;        // m, of a load along the track
-constexpr double largest_stretch = 1.5; // of a distance between axles
-constexpr double share_of_band = 0.99;  // of the power of the pattern
+constexpr double level = 0.01;        // of the test
+constexpr unsigned shuffles = 199;    // of each kind
+constexpr unsigned enough = 10;       // that fit as well: more would not change the verdict
+constexpr double speed_range = 0.05;  // on either side of the stated speed
+constexpr double misplaced = 0.25;    // m, of the last axle between two speeds that are tried
+constexpr double reach = 0.5;         // s, of the beginning of the load before the series
+constexpr double spacing = 0.05;      // m, of a load along the track
+constexpr double largest_stretch = 2; // of a distance between axles
+constexpr double wave_numbers = 5; // of the rails, beyond which an axle's load has 1 % of its power
+constexpr double least_goodness = 0.25;
 constexpr std::uint64_t seed = 1, stream = 884;
 
 using Spectrum = std::vector<std::complex<double>>;
@@ -103,8 +104,8 @@ public:
         std::vector<double> whole(acceleration.begin(), acceleration.end());
         whole.resize(length, 0.0);
         series_ = Fft(length).transform(whole);
-        const auto load = load_along(passing.train, passing);
-        choose_band(load, passing.speed, length);
+        const double band = wave_numbers * passing.rails.wave_number() * passing.speed / (2 * pi);
+        series_.resize(std::min(series_.size(), static_cast<std::size_t>(band * period_) + 1));
         short_ = fast_length_for(4 * series_.size());
         fft_ = std::make_unique<Fft>(short_);
         for (std::size_t k = 0; k < series_.size(); ++k) series_[k] *= kept(k);
@@ -140,34 +141,20 @@ private:
     static double duration_of(const std::vector<double>& load, double speed) {
         return static_cast<double>(load.size()) * spacing / speed;
     }
-    Spectrum spectrum_of(const std::vector<double>& load, double speed, Fft& fft,
-                         std::size_t size) const {
-        std::vector<double> samples(fft.length(), 0.0);
-        const double step = period_ / static_cast<double>(fft.length()) * speed / spacing;
+    Spectrum pattern_of(const std::vector<double>& load, double speed) const {
+        std::vector<double> samples(short_, 0.0);
+        const double step = period_ / static_cast<double>(short_) * speed / spacing;
         for (std::size_t k = 0; k < samples.size(); ++k) {
             const double place = static_cast<double>(k) * step;
             const auto n = static_cast<std::size_t>(place);
             if (n + 1 >= load.size()) break;
             samples[k] = load[n] + (place - static_cast<double>(n)) * (load[n + 1] - load[n]);
         }
-        Spectrum spectrum = fft.transform(samples);
-        spectrum.resize(size);
-        for (std::size_t k = 0; k < size; ++k)
+        Spectrum spectrum = fft_->transform(samples);
+        spectrum.resize(series_.size());
+        for (std::size_t k = 0; k < spectrum.size(); ++k)
             spectrum[k] *= -kept(k) * std::pow(2 * pi * static_cast<double>(k) / period_, 2);
         return spectrum;
-    }
-    Spectrum pattern_of(const std::vector<double>& load, double speed) const {
-        return spectrum_of(load, speed, *fft_, series_.size());
-    }
-    void choose_band(const std::vector<double>& load, double speed, std::size_t length) {
-        Fft fft(length);
-        const Spectrum pattern = spectrum_of(load, speed, fft, series_.size());
-        const double all = power_of(pattern);
-        double sum = 0;
-        std::size_t top = 0;
-        while (top + 1 < pattern.size() && sum < share_of_band * all)
-            sum += std::norm(pattern[top++]);
-        series_.resize(top);
     }
     std::vector<double> in_time(Spectrum spectrum) const {
         spectrum.resize(short_ / 2 + 1);
@@ -285,6 +272,11 @@ TrainFit fit_train(std::span<const double> acceleration, double rate, const Pass
             "it fits the train no better than {} do (p = {:.2g}, expected at most {:g})",
             phases > axles ? "its shuffled phases" : "trains of shuffled axles", fit.p_value,
             level);
+    else if (fit.goodness < least_goodness)
+        fit.refused_because = fmt::format(
+            "the train explains {:.2g} of the power between {:g} and {:.2g} Hz, expected at least "
+            "{:g}: mostly noise, or a longer train",
+            fit.goodness, lowest, fit.band, least_goodness);
     else
         fit.refused_because = matching.contradiction(load, match);
     return fit;

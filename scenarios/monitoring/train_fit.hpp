@@ -19,7 +19,7 @@ struct PassingTrain {
 struct TrainFit {
     double speed = 0;    ///< m/s, at which it fits best
     double goodness = 0; ///< share of the power up to `band` that the train explains, 0 to 1
-    double band = 0;     ///< Hz, below which 99 % of the power of the train's own pattern lies
+    double band = 0;     ///< Hz, from the wave number of the rails and the speed
     /// Probability that a train that is not this one fits as well: with axles in random order and
     /// at random distances, or with the same spectrum and random phases, whichever is greater.
     double p_value = 1;
@@ -31,11 +31,13 @@ struct TrainFit {
 /// The pattern of the train is the second derivative of its load on the tie, above `lowest` (Hz).
 /// It is matched to the series at all lags from half a second before it to half a second after its
 /// end, and at speeds within 5 % of the stated one. The same is done with up to 199 trains of
-/// shuffled axles (their distances also stretched by a factor of up to 1.5, because few axles have
+/// shuffled axles (their distances also stretched by a factor of up to 2, because few axles have
 /// few orders) and up to 199 patterns of shuffled phases, which have the spectrum of the train, so
 /// that noise of any colour fits them as well. The recording is refused
 /// - unless at most one in a hundred of each fits as well as the train does (the p-value follows
 ///   Besag and Clifford 1991: the trial ends once ten fit as well);
+/// - if the train explains less than a quarter of the power in its band, as when a longer train
+///   passes that contains this one;
 /// - if a third of the train is seen with less than half or more than twice the factor of the whole
 ///   by three standard deviations, as when the train stops or is shorter;
 /// - if more is left of the series before and after the train than within it, as when another

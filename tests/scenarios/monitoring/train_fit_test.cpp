@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <functional>
+#include <tuple>
 
 using namespace bris;
 using namespace bris::testing;
@@ -57,6 +58,18 @@ TrainFit fit(const std::vector<double>& series, const PassingTrain& p) {
     return fit_train(series, rate, p, lowest);
 }
 
+/// Of so many recordings of noise: those of a p-value of at most 1 %, and those accepted.
+void count_noise(std::uint64_t seeds, int& significant, int& accepted, int& all) {
+    const PassingTrain p = passing("inspection");
+    const std::size_t samples = acceleration_under(load_of(p)).size();
+    for (const double colour : {0.0, 0.9, 0.99, 0.999})
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed, ++all) {
+            const TrainFit f = fit(noise(samples, colour, seed), p);
+            significant += f.p_value <= 0.01 ? 1 : 0;
+            accepted += f.refused_because.empty() ? 1 : 0;
+        }
+}
+
 /// Upper end of the 95 % interval of a share, of which k of n were found (Wilson).
 double upper_end(int k, int n) {
     const double z = 1.96, p = double(k) / n;
@@ -68,37 +81,43 @@ double upper_end(int k, int n) {
 
 TEST_SUITE("monitoring/train_fit") {
     TEST_CASE("the train itself fits, and its speed is found") {
-        for (const auto& [name, speed] :
-             {std::pair{"inspection", 20.0}, std::pair{"freight", 15.0},
-              std::pair{"passenger", 31.3}, std::pair{"locomotive", 31.3}})
-            for (const double stated : {0.96, 1.0, 1.04}) {
-                const PassingTrain true_one = passing(name, speed),
-                                   p = passing(name, stated * speed);
-                const TrainFit f = fit(acceleration_under(load_of(true_one)), p);
-                CAPTURE(name);
-                INFO(stated << " " << f.goodness << " " << f.p_value << " " << f.band);
-                CHECK(f.refused_because == "");
-                CHECK(f.speed == doctest::Approx(speed).epsilon(0.01));
-                CHECK(f.goodness > 0.7);
-                CHECK(f.p_value <= 0.01);
-            }
+        for (const auto& [name, speed, stated] :
+             {std::tuple{"inspection", 20.0, 0.96}, std::tuple{"inspection", 20.0, 1.04},
+              std::tuple{"freight", 15.0, 1.0}, std::tuple{"passenger", 31.3, 1.0},
+              std::tuple{"locomotive", 31.3, 1.0}}) {
+            const PassingTrain true_one = passing(name, speed), p = passing(name, stated * speed);
+            const TrainFit f = fit(acceleration_under(load_of(true_one)), p);
+            INFO(name << " " << stated << " " << f.goodness << " " << f.p_value << " " << f.band);
+            CHECK(f.refused_because == "");
+            CHECK(f.speed == doctest::Approx(speed).epsilon(0.02));
+            CHECK(f.goodness > 0.7);
+            CHECK(f.p_value <= 0.01);
+        }
     }
 
-    TEST_CASE("noise is taken for a train in at most one of a hundred recordings") {
-        const PassingTrain p = passing("inspection");
-        const std::size_t samples = acceleration_under(load_of(p)).size();
-        int accepted = 0, all = 0;
-        for (const double colour : {0.0, 0.9, 0.99, 0.999})
-            for (std::uint64_t seed = 1; seed <= 100; ++seed, ++all)
-                accepted += fit(noise(samples, colour, seed), p).refused_because.empty() ? 1 : 0;
-        MESSAGE(accepted << " of " << all << " accepted, at most " << upper_end(accepted, all));
-        CHECK(accepted <= 9); // at a level of 1 %, ten or more have a probability of 0.8 %
+    TEST_CASE("noise of any colour is taken for a train in at most one of a hundred recordings") {
+        int significant = 0, accepted = 0, all = 0;
+        count_noise(25, significant, accepted, all);
+        INFO(significant << " and " << accepted << " of " << all);
+        CHECK(significant <= 4); // at a level of 1 %, five or more have a probability of 0.4 %
+        CHECK(accepted == 0);
+    }
+
+    TEST_CASE("the level of the test holds in two thousand recordings of noise" *
+              doctest::test_suite("slow")) {
+        int significant = 0, accepted = 0, all = 0;
+        count_noise(500, significant, accepted, all);
+        MESSAGE(significant << " of " << all << " significant, at most "
+                            << upper_end(significant, all) << "; accepted " << accepted
+                            << ", at most " << upper_end(accepted, all));
+        CHECK(significant <= 32); // at a level of 1 %, more have a probability of 0.4 %
+        CHECK(accepted <= 32);
     }
 
     TEST_CASE("vibration at a single frequency is no train") {
-        const PassingTrain p = passing("freight");
+        const PassingTrain p = passing("inspection");
         const std::size_t samples = acceleration_under(load_of(p)).size();
-        for (const double frequency : {1.2, 2.47, 3.7, 6.2, 8.6}) {
+        for (const double frequency : {2.47, 6.2}) {
             std::vector<double> series = noise(samples, 0, 3);
             for (std::size_t k = 0; k < samples; ++k)
                 series[k] =
@@ -112,7 +131,7 @@ TEST_SUITE("monitoring/train_fit") {
         const PassingTrain p = passing("inspection");
         const LoadHistory load = load_of(p);
         for (const char* other : {"freight", "passenger", "locomotive"}) {
-            CAPTURE(other);
+            INFO(other);
             std::vector<double> series = acceleration_under(load_of(passing(other)), 4);
             const auto least = static_cast<std::size_t>((load.times.back() + 1) * rate);
             if (series.size() < least) series.resize(least, 0.0);
@@ -120,7 +139,7 @@ TEST_SUITE("monitoring/train_fit") {
             MESSAGE(other << ": " << f.goodness << " " << f.p_value << " " << f.refused_because);
             CHECK(f.refused_because != "");
         }
-        for (const double from : {1.0, 1.5, 2.0, 2.5}) { // s; it stands two seconds later
+        for (const double from : {1.0, 1.5, 2.0}) { // s; it stands two seconds later
             const auto place = [&](double t) {
                 const double braked = std::clamp(t - from, 0.0, 2.0);
                 return t < from ? t : from + braked - braked * braked / 4;
@@ -134,9 +153,9 @@ TEST_SUITE("monitoring/train_fit") {
     TEST_CASE("the right train is found in noise") {
         const PassingTrain p = passing("inspection");
         const auto train = acceleration_under(load_of(p));
-        for (const double level : {0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) { // over the rms of the train
+        for (const double level : {1.0, 4.0, 8.0}) { // over the rms of the train
             int found = 0;
-            constexpr int seeds = 30;
+            constexpr int seeds = 10;
             for (int seed = 1; seed <= seeds; ++seed) {
                 auto series = noise(train.size(), 0, 1000 + static_cast<std::uint64_t>(seed));
                 for (std::size_t k = 0; k < series.size(); ++k)
