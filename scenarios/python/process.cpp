@@ -1,9 +1,12 @@
 #include "scenarios/python/process.hpp"
 
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <pthread.h>
 #include <stdexcept>
 #include <thread>
+#include <unistd.h>
 
 namespace bris {
 
@@ -21,6 +24,13 @@ bool lost_threads = false; // before this process was forked
 void after_fork_in_child() { // only the thread that has forked is copied
     unlocked = 0;
     lost_threads = lost_threads || has_threads;
+    // exit functions of libraries (log4cplus, of OpenVDB) wait for threads that were not copied
+    on_exit(
+        [](int status, void*) {
+            std::fflush(nullptr);
+            _exit(status);
+        },
+        nullptr);
 }
 
 void end_of_interpreter() {
