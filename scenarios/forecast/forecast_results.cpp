@@ -29,6 +29,28 @@ void add_rock(Summary& summary, const ForecastResults& r, std::size_t rock) {
     if (r.found) add("next_deflection_found", r.found->rocks[rock].deflection);
 }
 
+std::size_t used_of(const ForecastResults& r) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        r.recordings, [](const JudgedRecording& one) { return one.left_out_because.empty(); }));
+}
+
+bool is_judged(const ForecastResults& r, std::size_t rock) {
+    return std::ranges::find(r.recordings, rock, &JudgedRecording::sensor) != r.recordings.end();
+}
+
+void add_recordings(Summary& summary, const ForecastResults& r) {
+    summary.add("recordings", r.recordings.size());
+    summary.add("recordings_used", used_of(r));
+    for (const JudgedRecording& one : r.recordings) {
+        const std::string& name = r.names[one.sensor];
+        summary.add(name + "_recording_left_out_because", one.left_out_because);
+        if (one.fit.speed == 0) continue;
+        summary.add(name + "_goodness_of_fit", one.fit.goodness);
+        summary.add(name + "_best_speed_m_per_s", one.fit.speed);
+        summary.add(name + "_fit_p_value", one.fit.p_value);
+    }
+}
+
 /// Share of the members whose rock was deflected further under the recorded train.
 double share_above(const ForecastResults& r, double threshold) {
     const auto exceed = std::ranges::count_if(r.members, [&](const MemberMovements& m) {
@@ -130,7 +152,13 @@ std::string sentence_of(const ForecastResults& r) {
         "and by more than {:g} mm with a probability of {:.0f} %",
         r.names[r.rock], 1e3 * f.quantile(0.5), 1e3 * f.quantile(low), 1e3 * f.quantile(high),
         1e3 * r.threshold, 100 * f.probability_above(r.threshold));
-    if (!f.recorded) return text + "\nit was not recorded: this is what the members say";
+    if (const auto used = used_of(r); used < r.recordings.size())
+        text += fmt::format("\n{} of {} recordings are used, the others are left out", used,
+                            r.recordings.size());
+    if (!f.recorded)
+        return text + fmt::format("\nit {}: this is what the members say",
+                                  is_judged(r, r.rock) ? "has no recording of this train"
+                                                       : "was not recorded");
     if (const auto [least, most] = compliances_of_members(r);
         f.recorded->compliance < least || f.recorded->compliance > most)
         text += fmt::format("\nits recorded compliance, {:.1f} um/kN, lies outside those of the "
@@ -150,6 +178,7 @@ void add_forecast(Summary& summary, const ForecastResults& r) {
     summary.add("probability_by_members_alone", f.members.probability_above(std::log(r.threshold)));
     summary.add("share_of_members_above_threshold_under_recorded_train",
                 share_above(r, r.threshold));
+    if (!r.recordings.empty()) add_recordings(summary, r);
     if (r.found) summary.add("threshold_exceeded", r.found->rocks[r.rock].deflection > r.threshold);
     for (std::size_t rock = 0; rock < r.names.size(); ++rock) add_rock(summary, r, rock);
     const Predictive& s = r.forecast.settlement;

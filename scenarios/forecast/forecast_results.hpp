@@ -16,18 +16,21 @@ struct ForecastResults {
     double threshold = 0;           ///< m, of its deflection
     std::vector<MemberMovements> members = {};
     PassageForecast forecast = {};
-    std::vector<LeftOut> left_out = {};         ///< members, each from all others
-    std::optional<PassageMovements> found = {}; ///< on a simulated site
+    std::vector<LeftOut> left_out = {};           ///< members, each from all others
+    std::optional<PassageMovements> found = {};   ///< on a simulated site
+    std::vector<JudgedRecording> recordings = {}; ///< of a folder; empty: compliances were given
     std::vector<double> last_turns = {},
                         next_turns = {}; ///< N, of the load on a tie by both trains
 };
 
-/// The verdict in one sentence; a second one if the rock was not recorded, or if its recorded
-/// compliance lies outside those of the members, so that the forecast extrapolates.
+/// The verdict in one sentence. Further lines: how many recordings were used, if some were left
+/// out; that the rock was not recorded or its recording left out; that its recorded compliance lies
+/// outside those of the members, so that the forecast extrapolates.
 std::string sentence_of(const ForecastResults& results);
 
-/// Forecasts of all rocks and the tie, what was found on a simulated site, and how many members lie
-/// in the 90 % bands that follow from all others.
+/// How well each recording fits the train, and how many are used. Forecasts of all rocks and the
+/// tie, what was found on a simulated site, and how many members lie in the 90 % bands that follow
+/// from all others.
 void add_forecast(Summary& summary, const ForecastResults& results);
 
 /// A CSV file of probabilities for thresholds of 0.1 to 3 mm: by the forecast, by the members

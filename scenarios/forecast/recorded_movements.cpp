@@ -59,35 +59,43 @@ std::vector<RecordedMovement> read_movements(const std::filesystem::path& file,
     return all;
 }
 
-std::vector<RecordedMovement> movements_in(const std::filesystem::path& folder,
-                                           const LoadHistory& load,
-                                           const std::vector<std::string>& names,
-                                           const std::function<void(const std::string&)>& report) {
+std::string sentence_of(const JudgedRecording& r, const std::string& name) {
+    const std::string who = fmt::format("sensor {} ({})", r.sensor + 1, name);
+    const std::string fit = r.fit.speed > 0
+                                ? fmt::format("goodness of fit {:.2g} at {:.4g} m/s, p = {:.2g}",
+                                              r.fit.goodness, r.fit.speed, r.fit.p_value)
+                                : "";
+    if (r.left_out_because.empty()) return fmt::format("{} fits the train: {}", who, fit);
+    return fmt::format("{} is left out: {}{}", who, r.left_out_because,
+                       fit.empty() ? "" : " (" + fit + ")");
+}
+
+FolderOfMovements movements_in(const std::filesystem::path& folder, const PassingTrain& passing,
+                               const std::vector<std::string>& names) {
     const auto passages = read_passages(folder, {}, "--recordings");
     require(!passages.empty(),
             fmt::format("--recordings: expected recordings of a passage in '{}', found none",
                         folder.string()));
     const Passage& passage = passages.back();
     const auto findings = findings_of(passage, {});
-    std::vector<RecordedMovement> all;
+    FolderOfMovements all;
     for (const Recording& r : passage.recordings) {
         require(r.info.id >= 1 && r.info.id <= names.size(),
                 fmt::format("--recordings: {}: expected sensors with the ids 1 to {}, found {}",
                             folder.string(), names.size(), r.info.id));
-        const std::size_t sensor = r.info.id - 1;
+        JudgedRecording judged{.sensor = r.info.id - 1};
         const std::string refusal = refusal_of(findings, r.info.id);
-        std::string why = refusal.empty() ? "" : "refused by quality control: " + refusal;
-        if (why.empty()) {
-            const RecordedCompliance c = compliance_of(r, load);
-            why = c.impossible_because;
-            if (why.empty()) all.push_back({sensor, c.value, c.deviation});
+        if (!refusal.empty()) {
+            judged.left_out_because = "refused by quality control: " + refusal;
+        } else {
+            const RecordedCompliance c = compliance_of(r, passing);
+            judged.fit = c.fit;
+            judged.left_out_because = c.impossible_because;
+            if (c.impossible_because.empty())
+                all.movements.push_back({judged.sensor, c.value, c.deviation});
         }
-        if (!why.empty())
-            report(fmt::format("sensor {} ({}) is left out: {}", r.info.id, names[sensor], why));
+        all.recordings.push_back(std::move(judged));
     }
-    require(!all.empty(), fmt::format("--recordings: expected at least one sensor rock with a "
-                                      "compliance in '{}', found none: not enough data",
-                                      folder.string()));
     return all;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "scenarios/ballast_box/track_slice.hpp"
+#include "scenarios/monitoring/train_fit.hpp"
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -35,15 +35,26 @@ std::vector<RecordedMovement> recorded(const PassageMovements& movements,
 /// the file with its line, and OutputError.
 std::vector<RecordedMovement> read_movements(const std::filesystem::path& file,
                                              const std::vector<std::string>& names);
+/// What was judged of the recording of a sensor rock.
+struct JudgedRecording {
+    std::size_t sensor = 0;            ///< index among those of the slice
+    TrainFit fit = {};                 ///< speed 0: it was refused before
+    std::string left_out_because = {}; ///< empty: its compliance is used
+};
+/// One line: how well it fits the train, or why it is left out. `name`: of the sensor rock.
+std::string sentence_of(const JudgedRecording& recording, const std::string& name);
+
+/// The compliances of a folder of recordings, and what was judged of all of them.
+struct FolderOfMovements {
+    std::vector<RecordedMovement> movements;
+    std::vector<JudgedRecording> recordings;
+};
 /// The compliances of the sensor rocks in the last passage of a folder of recordings
-/// (read_passages), whose ids are the numbers of `names`; `load` is the force of its train on a tie
-/// (compliance_of). Sensors that quality control refuses (check_recordings) or whose recording
-/// gives no compliance are left out, and `report` is told why. Throws
-/// InputError, naming --recordings, if no sensor has one.
-std::vector<RecordedMovement>
-movements_in(const std::filesystem::path& folder, const LoadHistory& load,
-             const std::vector<std::string>& names,
-             const std::function<void(const std::string& line)>& report);
+/// (read_passages), whose ids are the numbers of `names`; `passing` is the train (compliance_of).
+/// Sensors that quality control refuses (check_recordings) or whose recording gives no compliance
+/// are left out. Throws InputError, naming --recordings, for other ids and without a recording.
+FolderOfMovements movements_in(const std::filesystem::path& folder, const PassingTrain& passing,
+                               const std::vector<std::string>& names);
 void write_movements(const std::filesystem::path& file,
                      const std::vector<RecordedMovement>& movements,
                      const std::vector<std::string>& names);

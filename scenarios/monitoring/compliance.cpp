@@ -84,18 +84,25 @@ std::string reason_against(const Vibration& v, const LoadHistory& load, double l
 
 } // namespace
 
-RecordedCompliance compliance_of(const Recording& recording, const LoadHistory& load,
+RecordedCompliance compliance_of(const Recording& recording, const PassingTrain& passing,
                                  double lowest) {
     constexpr double reach = 0.5;     // s, of the beginning of the load
     constexpr double seen = 3;        // standard deviations
     constexpr double nonlinear = 0.1; // of the compliance, standard deviation
     RecordedCompliance found;
+    const auto load_at = [&](double speed) {
+        return passing_load(passing.train, speed, passing.rails, passing.dead_load);
+    };
     const Vibration v = vibration_of(turned_back(recording), "vertical", rest);
-    found.impossible_because = reason_against(v, load, lowest);
+    found.impossible_because = reason_against(v, load_at(passing.speed), lowest);
     if (!found.impossible_because.empty()) return found;
     std::vector<double> acceleration = joined(v);
     detrend(acceleration, Detrend::line);
     for (double& a : acceleration) a = -a; // downwards
+    found.fit = fit_train(acceleration, v.rate, passing, lowest);
+    found.impossible_because = found.fit.refused_because;
+    if (!found.impossible_because.empty()) return found;
+    const LoadHistory load = load_at(found.fit.speed);
     const auto shape = without_slow_part(load_at_samples(load, v.rate), v.rate, lowest, 2);
     // a recording may begin long before the train comes
     const double spare = v.duration - load.times.back();

@@ -6,11 +6,13 @@
 #include "engine/version.hpp"
 #include "scenarios/python/arrays.hpp"
 #include "scenarios/python/fields.hpp"
-#include "scenarios/python/steered_simulation.hpp"
+#include "scenarios/python/initialised.hpp"
+#include "scenarios/python/process.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/quantities.hpp"
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -175,6 +177,7 @@ void define_simulation(py::module_& m) {
                             static_cast<std::uint32_t>(Motion::prescribed),
                         "drive: expected a body whose motion is prescribed, found id " +
                             std::to_string(b));
+                require(vector(v).allFinite(), "drive: expected a finite velocity (m/s)");
                 value_of<DriveVelocity>(s.world(), b) = vector(v);
             },
             "body"_a, "velocity"_a, "Sets the velocity (m/s) of a body of prescribed motion.")
@@ -183,6 +186,7 @@ void define_simulation(py::module_& m) {
             [](Self& s, double speed) {
                 require(s.world().has_resource<Platen>(),
                         "move_platen: expected a scene with a membrane, found none");
+                require(std::isfinite(speed), "move_platen: expected a finite speed (m/s)");
                 s.world().resource<Platen>().speed = speed;
             },
             "speed"_a, "Sets the speed (m/s, downwards) of the upper platen of a membrane.")
@@ -235,4 +239,5 @@ PYBIND11_MODULE(_bris, m) {
         "Scenario, step, settings and State of a checkpoint, whose seal is checked first.");
     define_scene(m);
     define_simulation(m);
+    watch_process();
 }

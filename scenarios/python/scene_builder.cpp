@@ -71,10 +71,55 @@ Motion motion_named(const std::string& name) {
     throw InputError("motion: expected free, fixed or prescribed, found " + name);
 }
 
+void require_positive(const char* what, double value, const char* unit) {
+    require(value > 0 && std::isfinite(value),
+            fmt::format("{}: expected a finite number above 0 {}, found {:g}", what, unit, value));
+}
+
+void require_finite(const char* what, const Vec3& v, const char* unit) {
+    require(v.allFinite(), fmt::format("{}: expected finite numbers ({}), found ({:g}, {:g}, {:g})",
+                                       what, unit, v.x(), v.y(), v.z()));
+}
+
+/// Of a vector whose direction counts.
+void require_direction(const char* what, double norm) {
+    constexpr double least = 1e-100, most = 1e100;
+    require(norm >= least && norm <= most,
+            fmt::format("{}: expected a length from {:g} to {:g}, found {:g}", what, least, most,
+                        norm));
+}
+
+/// Three or four corners that are a convex plane facet.
+void check_facet(const std::vector<Vec3>& corners) {
+    constexpr double flat = 1e-6; // of the longest edge
+    const std::size_t n = corners.size();
+    require(n == 3 || n == 4, fmt::format("facets: expected 3 or 4 corners, found {}", n));
+    for (const Vec3& corner : corners) require_finite("facets: corner", corner, "m");
+    const Vec3 normal = (corners[1] - corners[0]).cross(corners.back() - corners[0]);
+    require(normal.norm() > 0, "facets: expected corners that span a plane, found three on a line");
+    if (n == 3) return;
+    double longest = 0;
+    for (std::size_t k = 0; k < n; ++k)
+        longest = std::max(longest, (corners[(k + 1) % n] - corners[k]).norm());
+    const double off = std::abs((corners[2] - corners[0]).dot(normal.normalized()));
+    require(off <= flat * longest,
+            fmt::format("facets: expected four corners in a plane, found the third one {:g} m "
+                        "beside it",
+                        off));
+    for (std::size_t k = 0; k < n; ++k) {
+        const Vec3 edge = corners[(k + 1) % n] - corners[k],
+                   next = corners[(k + 2) % n] - corners[(k + 1) % n];
+        require(edge.cross(next).dot(normal) > 0,
+                "facets: expected four corners of a convex facet in their order, found others");
+    }
+}
+
 } // namespace
 
 SceneBuilder::SceneBuilder(const std::string& grains, double step, const Vec3& gravity)
     : world_(make_world(grains_named(grains))) {
+    require_positive("scene: step", step, "s");
+    require_finite("scene: gravity", gravity, "m/s2");
     world_.resource<Clock>().dt = step;
     if (gravity != Vec3::Zero()) world_.add_resource<Gravity>({gravity});
 }
@@ -86,17 +131,19 @@ std::uint32_t SceneBuilder::add_material(const py::kwargs& given) {
 }
 
 void SceneBuilder::check(std::uint32_t material) const {
-    const std::size_t known = world_.resource<Materials>().list.size();
+    const std::size_t known = world().resource<Materials>().list.size();
     require(material < known, fmt::format("material: expected an index below {}, the number of "
                                           "materials of the scene, found {}",
                                           known, material));
-    require(!world_.has_resource<Fouling>(), "scene: expected no body after the fines");
+    require(!world().has_resource<Fouling>(), "scene: expected no body after the fines");
 }
 
 EntityId SceneBuilder::add_sphere(const Vec3& position, double radius, std::uint32_t material,
                                   const std::string& motion) {
     World& scene = world();
     check(material);
+    require_finite("sphere: position", position, "m");
+    require_positive("sphere: radius", radius, "m");
     return bris::add_sphere(scene, position, radius, material, motion_named(motion));
 }
 
@@ -107,7 +154,9 @@ EntityId SceneBuilder::add_rock(const std::filesystem::path& clump, double size,
     check(material);
     require(scene.table<Bodies>().has<Orientation>(),
             "rock: expected a scene of clumps, found one of spheres");
-    require(size > 0, fmt::format("rock: expected a size above 0 m, found {:g}", size));
+    require_positive("rock: size", size, "m");
+    require_finite("rock: position", position, "m");
+    require_direction("rock: orientation", orientation.norm());
     return add_clump(scene, scaled(read_clump(clump), size), 0, position, orientation.normalized(),
                      material, motion_named(motion));
 }
@@ -118,7 +167,8 @@ EntityId SceneBuilder::add_plane(const Vec3& point, const Vec3& normal, std::uin
     check(material);
     const Motion moved = motion_named(motion);
     require(moved != Motion::free, "plane: expected fixed or prescribed, found free");
-    require(normal.norm() > 0, "plane: expected a normal longer than 0, found 0");
+    require_finite("plane: point", point, "m");
+    require_direction("plane: normal", normal.norm());
     const EntityId host = add_boundary(scene, point, material, moved);
     bris::add_plane(scene, host, Vec3::Zero(), normal);
     return host;
@@ -133,10 +183,7 @@ EntityId SceneBuilder::add_facets(const std::vector<std::vector<Vec3>>& facets,
     Vec3 middle = Vec3::Zero();
     double corners = 0, reach = 0;
     for (const auto& facet : facets) {
-        require(facet.size() == 3 || facet.size() == 4,
-                fmt::format("facets: expected 3 or 4 corners, found {}", facet.size()));
-        const double area = (facet[1] - facet[0]).cross(facet.back() - facet[0]).norm();
-        require(area > 0, "facets: expected corners that span a plane, found three on a line");
+        check_facet(facet);
         for (const Vec3& corner : facet) middle += corner;
         corners += static_cast<double>(facet.size());
     }
@@ -155,13 +202,10 @@ void SceneBuilder::add_membrane(double radius, double height, unsigned rings, un
                                 double pressure, double contact_stiffness, std::uint32_t material) {
     check(material);
     require(!world().has_resource<Membrane>(), "membrane: expected one, found two");
-    const auto positive = [](const char* name, double value) {
-        require(value > 0, fmt::format("membrane: expected a {} above 0, found {:g}", name, value));
-    };
-    positive("radius", radius);
-    positive("height", height);
-    positive("pressure", pressure);
-    positive("contact_stiffness", contact_stiffness);
+    require_positive("membrane: radius", radius, "m");
+    require_positive("membrane: height", height, "m");
+    require_positive("membrane: pressure", pressure, "Pa");
+    require_positive("membrane: contact_stiffness", contact_stiffness, "N/m");
     require(rings >= 1 && sectors >= 4 && rings <= 1000 && sectors <= 1000,
             fmt::format("membrane: expected 1 to 1000 rings and 4 to 1000 sectors, found {} and {}",
                         rings, sectors));
@@ -169,6 +213,10 @@ void SceneBuilder::add_membrane(double radius, double height, unsigned rings, un
 }
 
 void SceneBuilder::set_velocity(EntityId body, const Vec3& velocity) {
+    require_finite("set_velocity", velocity, "m/s");
+    const auto motion = static_cast<Motion>(value_of<MotionOf>(world(), body));
+    require(motion == Motion::free || motion == Motion::prescribed,
+            fmt::format("set_velocity: expected a free or prescribed body, found id {}", body));
     value_of<Velocity>(world(), body) = velocity;
     value_of<DriveVelocity>(world(), body) = velocity;
 }
@@ -178,8 +226,7 @@ void SceneBuilder::add_sensor(EntityId body, const std::vector<double>& times,
     require(times.size() == positions.size(),
             fmt::format("sensor: expected as many positions as times, found {} and {}",
                         positions.size(), times.size()));
-    require(deviation > 0,
-            fmt::format("sensor: expected a standard deviation above 0 m, found {:g}", deviation));
+    require_positive("sensor: deviation", deviation, "m");
     for (std::size_t k = 0; k < times.size(); ++k)
         require(std::isfinite(times[k]) && positions[k].allFinite(),
                 fmt::format("sensor: expected finite times and positions, found others in sample "
@@ -202,7 +249,7 @@ void SceneBuilder::set_filter(const py::kwargs& settings) {
 
 void SceneBuilder::add_recorder(EntityId body, const std::string& device, double rate,
                                 std::uint64_t seed) {
-    require(rate > 0, fmt::format("recorder: expected a rate above 0 Hz, found {:g}", rate));
+    require_positive("recorder: rate", rate, "Hz");
     ImuModel model = imu_preset(device);
     model.rate = rate;
     const Vec3 gravity =
@@ -217,14 +264,18 @@ void SceneBuilder::add_fines(double p4, double p200, double saturation, double v
     fill_with_fines(world(), {.p4 = p4, .p200 = p200, .saturation = saturation});
 }
 
-World SceneBuilder::take() {
-    if (!hosts_.empty()) add_sensors(world(), hosts_, samples_, filter_);
-    World result = std::move(world());
-    taken_ = true;
-    return result;
+World SceneBuilder::complete() const {
+    World complete = world();
+    if (!hosts_.empty()) add_sensors(complete, hosts_, samples_, filter_);
+    return complete;
 }
 
-World& SceneBuilder::world() {
+void SceneBuilder::close() {
+    world_ = {};
+    taken_ = true;
+}
+
+const World& SceneBuilder::world() const {
     require(!taken_, "scene: expected one that no simulation has taken over");
     return world_;
 }

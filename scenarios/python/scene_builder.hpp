@@ -6,11 +6,12 @@
 #include <filesystem>
 #include <pybind11/pybind11.h>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace bris {
 
-/// A scene that is being built from Python. A Simulation takes it over, after which it is empty.
+/// A scene that is being built from Python. A Simulation that accepts it takes it over.
 class SceneBuilder {
 public:
     /// `grains`: "spheres" or "clumps"; `step`: time step, s, above 0; `gravity`: m/s2.
@@ -55,11 +56,14 @@ public:
     void add_fines(double p4, double p200, double saturation, double voxel, const Vec3& low,
                    const Vec3& high);
 
-    /// Hands over the world. Throws InputError if a simulation has taken it already.
-    World take();
+    /// A copy of the complete scene. Throws InputError if a simulation has taken it over.
+    World complete() const;
+    /// A simulation has taken it over: every other member throws InputError from now on.
+    void close();
 
 private:
-    World& world();
+    const World& world() const;
+    World& world() { return const_cast<World&>(std::as_const(*this).world()); }
     void check(std::uint32_t material) const;
     World world_;
     bool taken_ = false;

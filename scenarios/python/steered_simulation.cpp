@@ -4,9 +4,10 @@
 #include "engine/io/checkpoint.hpp"
 #include "engine/stopwatch.hpp"
 #include "scenarios/python/arrays.hpp"
+#include "scenarios/python/initialised.hpp"
+#include "scenarios/python/process.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/start.hpp"
-#include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/contact_list.hpp"
 #include "systems/recorder/record_motion.hpp"
@@ -33,6 +34,12 @@ LawName law_named(const std::string& name) {
         if (names[k] == name) return static_cast<LawName>(k);
     throw InputError(
         fmt::format("law: expected one of {}, found {}", fmt::join(names, ", "), name));
+}
+
+unsigned checked(unsigned threads) {
+    constexpr unsigned most = 1024;
+    require(threads <= most, fmt::format("threads: expected at most {}, found {}", most, threads));
+    return threads;
 }
 
 Column& column_named(World& world, const std::string& table, const std::string& column) {
@@ -66,7 +73,8 @@ py::array array_of(const std::vector<T>& values, std::size_t columns = 1) {
 } // namespace
 
 SteeredSimulation::SteeredSimulation(SceneBuilder& scene, const std::string& law, unsigned threads)
-    : simulation_(start(scene.take(), {.law = law_named(law), .threads = threads})) {
+    : simulation_(start(scene.complete(), {.law = law_named(law), .threads = checked(threads)})),
+      several_threads_(threads != 1) {
     const double longest = stable_step_of_first_contact(world()), dt = world().resource<Clock>().dt;
     require(dt <= longest,
             fmt::format("scene: expected a step of at most {:.4g} s, the stable step of a first "
@@ -74,6 +82,7 @@ SteeredSimulation::SteeredSimulation(SceneBuilder& scene, const std::string& law
                         longest, dt));
     if (world().has_resource<InertialRecorders>()) start_recording(world());
     scene_ = fmt::format("{} {:016x}", law, fingerprint());
+    scene.close();
 }
 
 const Simulation& SteeredSimulation::idle() const {
@@ -94,24 +103,22 @@ void SteeredSimulation::require_no_views() const {
 void SteeredSimulation::advance(std::uint64_t steps) {
     Simulation& simulation = idle();
     require_no_views();
-    if (moved_)
-        invalidate_lists(world());
-    else if (written_)
-        show_velocities(world());
-    moved_ = written_ = false;
+    if (several_threads_) require_threads();
+    written_.take_up(world(), false);
     const Busy busy(busy_); // ends after the lock has been taken again
     // in pieces of about a tenth of a second, so that Ctrl-C can end it
     for (std::uint64_t piece = 1; steps > 0;) {
+        require_going_on();
         piece = std::min(piece, steps);
         const auto began = this_instant();
         {
-            const py::gil_scoped_release release;
+            const WithoutLock others_run;
             simulation.advance(piece);
         }
         steps -= piece;
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
         piece = seconds_since(began) < 0.05 ? 2 * piece : std::max<std::uint64_t>(1, piece / 2);
     }
+    require_going_on();
 }
 
 std::uint64_t SteeredSimulation::fingerprint() const {
@@ -125,16 +132,7 @@ py::array SteeredSimulation::view(const py::object& self, const std::string& tab
         py::object simulation;
     };
     Column& found = column_named(world(), table, column);
-    if (write) {
-        // numbers of rows, materials, kinds of motion, and shapes cannot be checked step by step
-        require(
-            found.type().scalar == Scalar::real && table != Spheres::name,
-            fmt::format("view: expected a column of real numbers of bodies, boundaries or pairs "
-                        "to write to, found {}.{}",
-                        table, column));
-        moved_ = moved_ || column == Position::name || column == Orientation::name;
-        written_ = true;
-    }
+    if (write) written_.hand_out(table, found);
     ++*views_;
     const py::capsule owner(new Token{views_, self}, [](void* memory) {
         const std::unique_ptr<Token> token(static_cast<Token*>(memory));
@@ -191,7 +189,8 @@ py::list SteeredSimulation::recordings(bool exact) const {
     return all;
 }
 
-void SteeredSimulation::save(const std::filesystem::path& path) const {
+void SteeredSimulation::save(const std::filesystem::path& path) {
+    written_.take_up(world(), *views_ > 0);
     write_checkpoint(path, {scenario_of_checkpoints,
                             idle().world().resource<Clock>().step,
                             {{"scene", scene_}},
@@ -211,7 +210,7 @@ void SteeredSimulation::load(const std::filesystem::path& path) {
                         checkpoint.scenario == scenario_of_checkpoints ? "another scene or law"
                                                                        : checkpoint.scenario));
     simulation.restore(checkpoint.state);
-    moved_ = written_ = false;
+    written_.forget();
 }
 
 } // namespace bris

@@ -2,6 +2,7 @@
 
 #include "engine/simulation.hpp"
 #include "scenarios/python/scene_builder.hpp"
+#include "scenarios/python/written_columns.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -22,16 +23,19 @@ struct BusyError : std::runtime_error {
 /// other Python threads run; until it has returned, every member throws BusyError in them.
 class SteeredSimulation {
 public:
+    /// Takes the scene over. Throws InputError, and leaves the scene as it is, if it cannot be
+    /// simulated.
     SteeredSimulation(SceneBuilder& scene, const std::string& law, unsigned threads);
 
     World& world() { return idle().world(); }
-    /// Throws pybind11::buffer_error while arrays show columns. Ctrl-C ends it between two steps.
+    /// Throws pybind11::buffer_error while arrays show columns, and InputError, before any step,
+    /// if what they have written cannot be simulated. Ctrl-C ends it between two steps.
     void advance(std::uint64_t steps);
     std::uint64_t fingerprint() const;
 
-    /// Array that shows a State column. Throws InputError if there is none of this name, or if
-    /// indices or the shapes of bodies are to be written. `self` is
-    /// the Python object of this simulation.
+    /// Array that shows a State column. Throws InputError if there is none of this name, or if one
+    /// is to be written that WrittenColumns does not allow. `self` is the Python object of this
+    /// simulation.
     pybind11::array view(const pybind11::object& self, const std::string& table,
                          const std::string& column, bool write);
     /// Copies of all State, in the order of the ids.
@@ -43,7 +47,8 @@ public:
     /// and `rate` (rad/s) in its axes, `saturated`. `exact`: by a device without errors.
     pybind11::list recordings(bool exact) const;
 
-    void save(const std::filesystem::path& path) const;
+    /// Throws InputError, and writes nothing, if arrays have written what cannot be simulated.
+    void save(const std::filesystem::path& path);
     /// Restores State that was saved from the same scene with the same law. Throws InputError, and
     /// changes nothing, if it is of another one.
     void load(const std::filesystem::path& path);
@@ -57,8 +62,9 @@ private:
     Simulation simulation_;
     std::string scene_; ///< names the law and, by its fingerprint, the scene at the start
     bool busy_ = false; // changed and read only by the thread that holds Python's lock
+    bool several_threads_;
     std::shared_ptr<int> views_ = std::make_shared<int>(0);
-    bool moved_ = false, written_ = false; // through writable arrays, since the last step
+    WrittenColumns written_; // since the last step
 };
 
 } // namespace bris

@@ -5,14 +5,18 @@ goes on where it was when it is started again. --merge collects the tables of al
     for k in 1 2 3 4; do tests/performance/smart_campaign --part $k/4 & done; wait
     tests/performance/smart_campaign --merge
 
+A table belongs to one process at a time, which locks it; a second one ends with the number of the first.
+
 The same with GNU parallel: parallel tests/performance/smart_campaign --part {}/4 ::: 1 2 3 4; in a Slurm array: --part $SLURM_ARRAY_TASK_ID/4.
 Under mpirun or srun each process does the part of its rank: mpirun -n 4 tests/performance/smart_campaign.
 """
 import argparse
 import collections
-import csv
 import os
 import re
+
+import tables
+from tables import lines_of, rows_with_cells, write
 
 
 def part(text):
@@ -38,6 +42,7 @@ def add_options(parser):
     parser.add_argument('--part', type=part, default=of_launcher(),
                         help='K/N: do every N-th run from the K-th on, with a table of its own. Default: all runs; under mpirun the part of the rank.')
     parser.add_argument('--merge', action='store_true', help='Run nothing: merge the tables of all parts into the table of the campaign.')
+    tables.add_option(parser)
 
 
 def mine(args, runs):
@@ -52,70 +57,39 @@ def own_table(args, table):
     return table.with_name(f'{table.stem}.part_{args.part[0]}_of_{args.part[1]}.csv') if args.part else table
 
 
-def lines_of(table):
-    """The cells of a table, a list for each line. Ends the campaign if it is cut off or damaged: the runs of lost lines would be missing."""
-    if not table.exists():
-        return []
-    try:
-        text = table.read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        raise SystemExit(f'{table}: expected a table of results: {error}')
-    lines = list(csv.reader(text.splitlines()))
-    for number, cells in enumerate(lines, 1):
-        if len(cells) != len(lines[0]):
-            raise SystemExit(f'{table}:{number}: expected {len(lines[0])} columns, found {len(cells)}')
-    if not text.endswith('\n'):
-        raise SystemExit(f'{table}:{len(lines)}: expected complete lines, found the last one cut off')
-    return lines
-
-
-class Row(dict):
-    """A line of a table by the names of its columns."""
-    def __init__(self, table, names, cells):
-        super().__init__(zip(names, cells))
-        self.table = table
-
-    def __missing__(self, name):
-        raise SystemExit(f'{self.table}:1: expected a column {name}, found {", ".join(self)}')
-
-
-def rows_with_cells(table, lines):
-    """The lines of a table below its head, each as a dictionary and as cells."""
-    return [(Row(table, lines[0], line), line) for line in lines[1:]]
-
-
 def rows_of(args, table):
     """Rows of the campaign's table and of that of this part, as dictionaries."""
-    tables = dict.fromkeys([table, own_table(args, table)])
-    return [row for name in tables for row, _ in rows_with_cells(name, lines_of(name))]
-
-
-def write(table, lines):
-    """Replaces a table at once, so that a campaign that is killed leaves whole runs only."""
-    table.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = table.with_name(f'{table.name}.{os.getpid()}.tmp')
-    with open(unfinished, 'w', newline='') as out:
-        csv.writer(out, lineterminator='\n').writerows(lines)
-    os.replace(unfinished, table)
+    names = dict.fromkeys([table, own_table(args, table)])
+    return [row for name in names for row, _ in rows_with_cells(name, lines_of(name))]
 
 
 def add(args, table, head, rows):
     """Adds all rows of a run to the table of this part."""
-    own = own_table(args, table)
-    write(own, [*(lines_of(own) or [list(head)]), *([str(cell) for cell in row] for row in rows)])
+    tables.add(own_table(args, table), head, rows, args.made_with)
 
 
-def merge(args, table, runs, run_of, case_of=None):
-    """Merges the tables of all parts into the campaign's, if --merge is given. `run_of(row)` is the run of a row, which sorts the rows in the
-    order of `runs`; runs that are not in this list come first, as they are. `case_of(row)` is the case within a run that was added at once
-    (default: the whole run); a case that several tables have is taken from the first."""
-    case_of = case_of or run_of
-    if not args.merge:
-        return
+def begin(args, table, runs, run_of, case_of=None, settings=()):
+    """To be called before anything is run. Locks the table of this part, and ends the campaign if it has rows that were made by another
+    commit or with other `settings`, names of the options that change numbers. With --merge, merges the tables of all parts into the
+    campaign's. `run_of(row)` is the run of a row, which sorts the rows in the order of `runs`; runs that are not in this list come first, as
+    they are. `case_of(row)` is the case within a run that was added at once (default: the whole run); a case that several tables have is taken
+    from the first."""
+    args.made_with = tables.made_with(args, settings)
+    tables.hold(own_table(args, table))
+    if args.merge:
+        return merge(args, table, runs, run_of, case_of or run_of)
+    rows = rows_of(args, table)
+    done = {run_of(row) for row in rows}
+    tables.require_origin(table, rows, args.made_with, all(run in done for run in mine(args, runs)), args.any_commit)
+
+
+def merge(args, table, runs, run_of, case_of):
     order = {run: k for k, run in enumerate(runs)}
     pattern = re.compile(re.escape(table.stem) + r'\.part_\d+_of_\d+\.csv')
     parts = sorted(path for path in table.parent.glob('*.csv') if pattern.fullmatch(path.name))
-    head, merged, seen = None, [], {}
+    for path in parts:
+        tables.hold(path)
+    head, merged, seen, of_parts = None, [], {}, []
     for name in [table, *parts]:
         lines = lines_of(name)
         if not lines:
@@ -124,15 +98,17 @@ def merge(args, table, runs, run_of, case_of=None):
             raise SystemExit(f'{name}:1: expected the columns {", ".join(head)} as in the other tables, found {", ".join(lines[0])}')
         head = lines[0]
         rows = rows_with_cells(name, lines)
+        of_parts += [row for row, _ in rows if name in parts]
         counts = collections.Counter(case_of(row) for row, _ in rows)
         for case, count in counts.items():
             if case in seen and seen[case][1] != count:
                 raise SystemExit(f'{name}: expected {seen[case][1]} lines of run {case} as in {seen[case][0]}, found {count}: one of them is cut off')
-        merged += [(run_of(row), line) for row, line in rows if case_of(row) not in seen]
+        merged += [(row, line) for row, line in rows if case_of(row) not in seen]
         for case, count in counts.items():
             seen.setdefault(case, (name, count))
+    tables.require_origin(table, [row for row, _ in merged], args.made_with, not of_parts, args.any_commit)
     if head:
-        write(table, [head, *(line for _, line in sorted(merged, key=lambda entry: order.get(entry[0], -1)))])
+        write(table, [head, *(line for _, line in sorted(merged, key=lambda entry: order.get(run_of(entry[0]), -1)))])
     for path in parts:
         path.unlink()
     print(f'{table}: merged from {len(parts)} tables of parts, {len(merged)} rows')

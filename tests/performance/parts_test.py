@@ -132,6 +132,62 @@ def check_damage(programs, folder):
     print('damaged tables are refused')
 
 
+def check_origin(programs, folder):
+    """Two campaigns on one table, or in one folder, and rows of other options, another commit or none: nothing is lost or reused in silence."""
+    folder.mkdir()
+    (programs / 'slow').mkdir()
+    slow = programs / 'slow' / 'smart_triaxial'
+    slow.write_text(f'#!/bin/sh\necho begun >{folder}/begun\nsleep 1\nexec {programs}/smart_triaxial "$@"\n')
+    slow.chmod(0o755)
+
+    def command(*more, campaign='smart_campaign', bin=programs, csv='table.csv', work='runs', seeds='1,2'):
+        return [str(word) for word in (sys.executable, HERE / campaign, '--seeds', seeds, '--bin', bin, '--work', folder / work, '--csv', folder / csv, *more)]
+
+    def run(*more, **how):
+        return subprocess.run(command(*more, **how), capture_output=True, text=True)
+
+    def refused(what, *more, **how):
+        done = run(*more, **how)
+        assert done.returncode == 1 and what in done.stderr and done.stderr.count('\n') == 1, (what, done.stdout, done.stderr)
+
+    first = subprocess.Popen(command(bin=programs / 'slow'), stdout=subprocess.DEVNULL)
+    while not (folder / 'begun').exists():
+        time.sleep(0.01)
+    refused(f'expected no other campaign at this table, found process {first.pid} (')
+    refused('seed_1: expected a folder in which nothing runs', csv='other.csv')
+    assert first.wait() == 0
+    assert not list(folder.glob('.*.lock')), 'a lock remains'
+    rows = (folder / 'table.csv').read_text()
+    assert {line.split(',')[0] for line in rows.splitlines()[1:]} == {'1', '2'} and not (folder / 'other.csv').exists()
+    assert rows.splitlines()[0].endswith(',commit,made_with')
+    assert run().returncode == 0 and (folder / 'table.csv').read_text() == rows
+
+    refused('expected rows that were made with --tilt-only True --without-library False, found', '--tilt-only')
+    own = rows.splitlines()[1].split(',')[-2]
+    (folder / 'table.csv').write_text(rows.replace(f',{own},', ',abc1234,'))
+    complete = run()
+    assert complete.returncode == 0 and 'commits: abc1234 (' in complete.stdout, complete.stderr
+    refused(f'expected rows of commit {own}, found abc1234 (', seeds='1,2,3')
+    assert run('--any-commit', seeds='1,2,3').returncode == 0
+    assert {line.split(',')[-2] for line in (folder / 'table.csv').read_text().splitlines()[1:]} == {own, 'abc1234'}
+    (folder / 'table.csv').write_text('\n'.join(','.join(line.split(',')[:-2]) for line in rows.splitlines()) + '\n')
+    complete = run()
+    assert complete.returncode == 0 and 'commits: not recorded (' in complete.stdout, complete.stderr
+    refused('found not recorded (', seeds='3')
+
+    done = run(campaign='shear_campaign', csv='shear.csv', work='shear', seeds='1')
+    assert 'expected a program' in done.stderr, done.stderr  # there is no stand-in
+    (folder / 'shear' / 'seed_1').mkdir(exist_ok=True)
+    (folder / 'shear' / 'seed_1' / 'summary.json').write_text('{}')
+    origin = folder / 'shear' / 'seed_1.origin.json'
+    made = json.loads(origin.read_text())
+    origin.write_text(json.dumps(made | {'commit': 'abc1234'}))
+    refused(f'expected results of commit {own}, found those of commit abc1234', campaign='shear_campaign', csv='shear.csv', work='shear', seeds='1')
+    origin.write_text(json.dumps(made | {'words': [*made['words'], '--speed', '2']}))
+    refused('found those of other words', '--any-commit', campaign='shear_campaign', csv='shear.csv', work='shear', seeds='1')
+    print('one campaign at a table and in a folder; rows and results of other options or commits are not used')
+
+
 with tempfile.TemporaryDirectory() as name:
     root = Path(name)
     programs = stand_ins(root / 'bin')
@@ -140,4 +196,5 @@ with tempfile.TemporaryDirectory() as name:
     check('twin_campaign', ['--seeds', '1,2,3,4', '--levels', 'A,B'], programs, root / 'twin')
     check('variants_campaign', ['--seeds', '1,2'], programs, root / 'variants')
     check('preparation_campaign', ['gradings', '--seeds', '2', '--bodies', '100'], programs, root / 'preparation')
+    check_origin(programs, root / 'origin')
     check_damage(programs, root / 'damage')

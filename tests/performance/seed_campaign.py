@@ -3,11 +3,11 @@ import argparse
 import math
 import signal
 import statistics
-import subprocess
 import sys
 from pathlib import Path
 
 import parts
+from run_folders import once, scenario  # noqa: F401
 
 ROOT = Path(__file__).resolve().parents[2]
 PRESSURES = ('55', '110', '165')  # kPa
@@ -56,20 +56,6 @@ def options(doc, seeds, table):
     return parser(doc, seeds, table).parse_args()
 
 
-def scenario(args, name, words, out):
-    """Runs a scenario and writes its output to OUT.log."""
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with open(f'{out}.log', 'w') as log:
-        command = [args.bin / name, '--quiet', '--threads', args.threads, *words, '--out', out]
-        try:
-            subprocess.run([str(word) for word in command], check=True, stdout=log, stderr=log)
-        except FileNotFoundError:
-            raise SystemExit(f'{command[0]}: expected a program (build first, or give --bin), found none')
-        except subprocess.CalledProcessError as failure:
-            said = Path(log.name).read_text(errors='replace').splitlines() or ['nothing was printed']
-            raise SystemExit(f'{name} ended with code {failure.returncode}: {said[-1]} ({log.name})')
-
-
 def rows_of(args):
     return parts.rows_of(args, args.csv)
 
@@ -80,12 +66,12 @@ def add(args, seed, numbers):
               [(seed, pressure, quantity, f'{value:.6g}') for (pressure, quantity), value in numbers.items()])
 
 
-def run_states(args, runs, columns, numbers_of):
+def run_states(args, runs, columns, numbers_of, settings=()):
     """Does the runs of this part that are not in the table yet. A run is a tuple of a seed and names, the first `columns` of the table;
-    `numbers_of(args, *run)` gives its rows."""
+    `numbers_of(args, *run)` gives its rows. `settings`: options that change numbers (parts.begin)."""
     names = columns[1:len(runs[0])]
     run_of = lambda row: (int(row['seed']), *(row[name] for name in names))  # noqa: E731
-    parts.merge(args, args.csv, runs, run_of)
+    parts.begin(args, args.csv, runs, run_of, settings=settings)
     done = {run_of(row) for row in rows_of(args)}
     for seed, *state in parts.mine(args, runs):
         if (seed, *state) not in done:
@@ -93,8 +79,8 @@ def run_states(args, runs, columns, numbers_of):
             print(f'seed {seed} {" ".join(state)} done', flush=True)
 
 
-def run(args, numbers_of_seed, report):
-    parts.merge(args, args.csv, args.seeds, lambda row: int(row['seed']))
+def run(args, numbers_of_seed, report, settings=()):
+    parts.begin(args, args.csv, args.seeds, lambda row: int(row['seed']), settings=settings)
     done = {int(row['seed']) for row in rows_of(args)}
     for seed in parts.mine(args, args.seeds):
         if seed not in done and (numbers := numbers_of_seed(args, seed)):

@@ -11,6 +11,9 @@ import sys
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from tables import commit, hold, write  # noqa: E402, F401
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 BUILD = Path(os.environ.get('BRIS_BUILD_DIR', ROOT / 'build'))
@@ -197,9 +200,7 @@ def here():
     """Machine and version that are measured (+: with uncommitted changes). Times are comparable on one machine only."""
     about = open('/proc/cpuinfo').read()
     field = lambda name: (re.findall(rf'^{name}\s*: (.*)$', about, re.M) or ['unknown'])[0]
-    git = lambda *words: subprocess.run(['git', '-C', ROOT, *words], capture_output=True, text=True).stdout.strip() if shutil.which('git') else ''
-    changed = '+' if git('status', '--porcelain', '--untracked-files=no') else ''
-    return {'machine': f'{field("model name")}, family {field("cpu family")}, model {field("model")}, {os.cpu_count()} cores', 'commit': git('rev-parse', '--short', 'HEAD') + changed}
+    return {'machine': f'{field("model name")}, family {field("cpu family")}, model {field("model")}, {os.cpu_count()} cores', 'commit': commit()}
 
 
 def read_rows(path):
@@ -218,16 +219,9 @@ def of_last(rows):
 
 def append(path, columns, row):
     """Adds a line to a CSV file, with machine and version. New columns are added to an older file and stay empty in its lines."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     columns = [*columns, *here()]
-    rows = read_rows(path)
-    as_before = rows and list(rows[0]) == columns
-    with open(path, 'a' if as_before else 'w', newline='') as out:
-        writer = csv.DictWriter(out, columns, lineterminator='\n', extrasaction='ignore')
-        if not as_before:
-            writer.writeheader()
-            writer.writerows(rows)
-        writer.writerow({**row, **here()})
+    rows = [*read_rows(path), {**row, **here()}]
+    write(path, [columns, *([row.get(name, '') for name in columns] for row in rows)])
 
 
 def measured(text, check, steps):

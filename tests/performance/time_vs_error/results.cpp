@@ -8,9 +8,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <fcntl.h>
 #include <fstream>
 #include <sstream>
+#include <sys/file.h>
+#include <unistd.h>
 
 namespace bris::time_vs_error {
 
@@ -100,6 +104,21 @@ double error_of(const Kind& kind, double measured, double reference) {
     return kind.relative ? measured / reference - 1 : measured - reference;
 }
 
+/// Locks a table until this process ends, as tests/performance/tables.py does: by a file beside it,
+/// since the table itself is replaced. A file system without locks does not prevent a run.
+void hold(const std::filesystem::path& csv) {
+    const auto lock = csv.parent_path() / fmt::format(".{}.lock", csv.filename().string());
+    const int file = open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); // never closed
+    if (file < 0) return;
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) {
+        const std::string process = std::to_string(getpid());
+        if (ftruncate(file, 0) != 0 || write(file, process.data(), process.size()) < 0) return;
+    } else if (errno == EWOULDBLOCK) {
+        throw InputError(fmt::format("--out: expected no other campaign at '{}', found process {}",
+                                     csv.string(), read_whole(lock)));
+    }
+}
+
 } // namespace
 
 void stamp(Outcome& outcome) {
@@ -109,6 +128,7 @@ void stamp(Outcome& outcome) {
 }
 
 Results::Results(std::filesystem::path csv) : csv_(std::move(csv)) {
+    hold(csv_);
     if (!std::filesystem::exists(csv_)) return;
     std::istringstream in(read_whole(csv_));
     std::string text;

@@ -108,34 +108,50 @@ TEST_SUITE("forecast/passage_forecast") {
         CHECK(std::sqrt(squares / 1999) == about(deviation).epsilon(0.05));
     }
 
-    TEST_CASE("compliances come from the recordings that quality control accepts") {
+    TEST_CASE("compliances come from recordings that are sound and of the train; the others are "
+              "counted and say why") {
         const TemporaryDirectory folder;
+        const PassingTrain passing{train_named("inspection"),
+                                   20,
+                                   {.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61},
+                                   800};
         const LoadHistory load =
-            passing_load(train_named("inspection"), 20,
-                         {.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61}, 800);
+            passing_load(passing.train, passing.speed, passing.rails, passing.dead_load);
         Passage passage{"passage_01", {}};
-        for (unsigned id = 1; id <= 3; ++id)
+        for (unsigned id = 1; id <= 4; ++id)
             passage.recordings.push_back(recording_under(load, "smartrock-like", 1, id));
         for (Vec3& f : passage.recordings[1].force) f /= 9.81; // in g, not in m/s2
         for (std::size_t k = 500; k < 800; ++k)                // stuck
             passage.recordings[2].force[k] = passage.recordings[2].force[500];
+        Random random(7, 1);
+        const Vec3 rest = passage.recordings[3].force.front();
+        for (Vec3& f : passage.recordings[3].force) // nothing but noise
+            f = rest + 0.3 * Vec3(random.normal(), random.normal(), random.normal());
         write_passages(folder.path(), {passage}, "test");
-        std::vector<std::string> left_out;
-        const auto say = [&](const std::string& line) { left_out.push_back(line); };
-        const auto found = movements_in(folder.path(), load, three_names, say);
-        REQUIRE(found.size() == 1);
-        CHECK(found[0].sensor == 0);
-        CHECK(found[0].compliance == about(0.8e-8).epsilon(0.25));
-        REQUIRE(left_out.size() == 2);
-        CHECK(left_out[0].starts_with("sensor 2 (b) is left out: refused by quality control: "));
-        CHECK(left_out[1].find("stuck") != std::string::npos);
+        const std::vector<std::string> names{"a", "b", "c", "d"};
+        const FolderOfMovements found = movements_in(folder.path(), passing, names);
+        REQUIRE(found.movements.size() == 1);
+        CHECK(found.movements[0].sensor == 0);
+        CHECK(found.movements[0].compliance == about(0.8e-8).epsilon(0.25));
+        REQUIRE(found.recordings.size() == 4);
+        const auto sentence = [&](std::size_t k) {
+            return sentence_of(found.recordings[k], names[found.recordings[k].sensor]);
+        };
+        CHECK(sentence(0).starts_with("sensor 1 (a) fits the train: goodness of fit 0."));
+        CHECK(sentence(1).starts_with("sensor 2 (b) is left out: refused by quality control: "));
+        CHECK(sentence(2).find("stuck") != std::string::npos);
+        CHECK(sentence(3).starts_with("sensor 4 (d) is left out: it fits the train no better "));
 
-        passage.recordings.erase(passage.recordings.begin());
-        const TemporaryDirectory other;
-        write_passages(other.path(), {passage}, "test");
-        CHECK(message_of<InputError>([&] {
-                  movements_in(other.path(), load, three_names, say);
-              }).ends_with("found none: not enough data"));
+        ForecastResults r{.names = {"a", "b", "c", "d"},
+                          .rock = 1,
+                          .threshold = 2e-3,
+                          .members = sixteen(3),
+                          .recordings = found.recordings};
+        r.forecast = forecast_passage(r.members, {{0, 1e-8, 1e-10}});
+        CHECK(sentence_of(r).find("\n1 of 4 recordings are used, the others are left out\n") !=
+              std::string::npos);
+        CHECK(sentence_of(r).ends_with(
+            "it has no recording of this train: this is what the members say"));
     }
 
     TEST_CASE("a file of movements is read back, and errors name its line") {

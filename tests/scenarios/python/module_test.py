@@ -1,9 +1,12 @@
 """Tests of the Python module. Run by ctest with the folder of the module on PYTHONPATH."""
+import copy
 import os
+import pickle
 import signal
 import subprocess
 import sys
 import tempfile
+import textwrap
 import threading
 import time
 import unittest
@@ -183,10 +186,17 @@ class ModuleTest(unittest.TestCase):
     def test_indices_and_shapes_are_read_only(self):
         s = column_of_spheres()
         s.advance(10)
-        for table, column in (('bodies', 'material'), ('bodies', 'id'), ('spheres', 'parent'), ('planes', 'host'), ('spheres', 'ball')):
-            with self.assertRaisesRegex(bris.InputError, f'found {table}.{column}'):
+        for table, column in (('bodies', 'material'), ('bodies', 'id'), ('spheres', 'parent'), ('planes', 'host'), ('spheres', 'ball'),
+                              ('bodies', 'bounding_radius'), ('bodies', 'mass'), ('bodies', 'inertial_mass'), ('bodies', 'sphere_inertia'),
+                              ('bodies', 'acceleration'), ('bodies', 'angular_momentum'), ('sphere_pairs', 'spring')):
+            with self.assertRaisesRegex(bris.InputError, f'expected one of the columns position, .* found {table}.{column}'):
                 s.view(table, column, write=True)
-            self.assertGreater(len(s.view(table, column)), 0)
+            view = s.view(table, column)
+            with self.assertRaises(ValueError):
+                view[...] = 0
+            if len(view):
+                with self.assertRaises(ValueError):
+                    view.setflags(write=True)
 
     def test_a_checkpoint_of_another_scene_or_law_is_refused_and_changes_nothing(self):
         s = column_of_spheres()
@@ -314,8 +324,197 @@ class ModuleTest(unittest.TestCase):
         scene.add_sphere((0, 0, 1), 0.01, rock)
         with self.assertRaisesRegex(bris.InputError, 'stable step'):
             bris.Simulation(scene)
-        with self.assertRaisesRegex(bris.InputError, 'no simulation has taken over'):
-            scene.add_sphere((0, 0, 2), 0.01, rock)
+
+    def test_what_a_view_has_written_is_checked_before_a_step_or_a_checkpoint(self):
+        nan, infinity = float('nan'), float('inf')
+        for column, row, value, what in (('position', 7, (nan, 0, 0), 'position: expected finite numbers'), ('position', 7, infinity, 'position: expected'),
+                                         ('velocity', 7, nan, 'velocity: expected finite'), ('angular_velocity', 7, -infinity, 'angular_velocity: expected'),
+                                         ('drive_velocity', 0, (0, 0, 1), 'motion is not prescribed'), ('velocity', 0, (0, 0, 1), 'that is not free')):
+            with self.subTest(column, row=row, value=value):
+                s = column_of_spheres()
+                s.advance(20)
+                s.view('bodies', column, write=True)[row] = value
+                with tempfile.TemporaryDirectory() as folder:
+                    for call in (s.advance, lambda: s.save(Path(folder) / 'state.ckpt.h5'), s.advance):
+                        with self.assertRaisesRegex(bris.InputError, f'view: body .*{what}'):
+                            call()
+                    self.assertEqual(list(Path(folder).iterdir()), [])
+                self.assertEqual(s.step, 20)
+
+    def test_a_rock_that_is_turned_through_a_view_needs_a_unit_quaternion(self):
+        scene = bris.Scene('clumps', step=1e-5)
+        rock = scene.add_material(density=2600, normal_stiffness=1e6, friction=0.5)
+        scene.add_plane((0, 0, 0), (0, 0, 1), rock)
+        body = scene.add_rock(CLUMP, 0.03, (0, 0, 0.5), material=rock)
+        s = bris.Simulation(scene)
+        for wrong in ((0, 0, 0, 0), (1, 1, 0, 0), (float('nan'), 0, 0, 1)):
+            s.view('bodies', 'orientation', write=True)[body] = wrong
+            with self.assertRaisesRegex(bris.InputError, 'orientation: expected'):
+                s.advance()
+        s.view('bodies', 'orientation', write=True)[body] = (0.6, 0, 0, 0.8)
+        s.view('bodies', 'angular_velocity', write=True)[body] = (0, 0, 2)
+        s.advance(10)
+        np.testing.assert_allclose(s.state()['bodies/angular_velocity'][body], (0, 0, 2), atol=1e-3)  # free flight
+        self.assertGreater(np.abs(s.state()['bodies/angular_momentum'][body]).max(), 0)
+
+    def test_a_writable_view_that_nobody_writes_to_changes_no_bit(self):
+        s, untouched = column_of_spheres(), column_of_spheres()
+        for _ in range(20):
+            view = s.view('bodies', 'position', write=True), s.view('bodies', 'angular_velocity', write=True)
+            del view
+            s.advance(100)
+        untouched.advance(2000)
+        self.assertEqual(s.fingerprint, untouched.fingerprint)
+
+    def test_objects_that_were_never_initialised_raise(self):
+        for kind in (bris.Scene, bris.Simulation):
+            empty = kind.__new__(kind)
+            for name in dir(kind):
+                if name.startswith('__'):
+                    continue
+                with self.subTest(name), self.assertRaises((TypeError, ValueError)):
+                    call = getattr(empty, name)  # properties raise here
+                    arguments = {'add_sphere': ((0, 0, 0), 1, 0), 'add_rock': (CLUMP, 1, (0, 0, 0), (0, 0, 0, 1), 0), 'add_plane': ((0, 0, 0), (0, 0, 1), 0),
+                                 'add_facets': ([], 0), 'set_velocity': (0, (0, 0, 0)), 'add_sensor': (0, [], []), 'add_recorder': (0,), 'drive': (0, (0, 0, 0)),
+                                 'force': (0,), 'position': (0,), 'view': ('bodies', 'position'), 'field': ('porosity',), 'move_platen': (1,), 'save': ('x',),
+                                 'load': ('x',), 'add_fines': (1,)}
+                    keywords = {'add_membrane': dict(radius=1, height=1, pressure=1, contact_stiffness=1, material=0)}
+                    call(*arguments.get(name, ()), **keywords.get(name, {}))
+        with self.assertRaisesRegex(TypeError, '__init__ was not called'):
+            bris.Simulation(bris.Scene.__new__(bris.Scene))
+
+        class Careless(bris.Scene):
+            def __init__(self):
+                pass
+        with self.assertRaises(TypeError):
+            Careless()
+
+    def test_a_scene_that_is_refused_can_be_completed(self):
+        scene = bris.Scene('spheres', step=1e-5)
+        rock = scene.add_material(density=2600, normal_stiffness=1e6)
+        with self.assertRaisesRegex(bris.InputError, 'at least one body'):
+            bris.Simulation(scene)
+        scene.add_sphere((0, 0, 0), 0.01, rock)
+        for wrong in (dict(law='no such law'), dict(threads=10**6)):
+            with self.assertRaises(bris.InputError):
+                bris.Simulation(scene, **wrong)
+        s = bris.Simulation(scene)
+        s.advance(10)
+        for use in (lambda: scene.add_sphere((0, 0, 1), 0.01, rock), lambda: scene.add_material(density=1), lambda: bris.Simulation(scene),
+                    lambda: scene.add_facets([[(0, 0, 0), (1, 0, 0), (0, 1, 0)]], rock),
+                    lambda: scene.add_membrane(radius=1, height=1, pressure=1, contact_stiffness=1, material=rock)):
+            with self.assertRaisesRegex(bris.InputError, 'no simulation has taken over'):
+                use()
+
+    def test_numbers_that_no_scene_can_have_are_refused(self):
+        nan, infinity = float('nan'), float('inf')
+        for step in (nan, infinity, 0, -1):
+            with self.assertRaisesRegex(bris.InputError, 'step: expected'):
+                bris.Scene('spheres', step=step)
+        with self.assertRaisesRegex(bris.InputError, 'gravity'):
+            bris.Scene('spheres', step=1e-5, gravity=(0, 0, nan))
+        scene = bris.Scene('clumps', step=1e-5)
+        rock = scene.add_material(density=2600, normal_stiffness=1e6)
+        fixed = scene.add_plane((0, 0, 0), (0, 0, 1), rock)
+        square = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        for x in (nan, infinity, -infinity):
+            for call in (lambda: scene.add_sphere((x, 0, 0), 1, rock), lambda: scene.add_sphere((0, 0, 0), x, rock), lambda: scene.add_plane((0, x, 0), (0, 0, 1), rock),
+                         lambda: scene.add_plane((0, 0, 0), (0, 0, x), rock), lambda: scene.add_facets([[(x, 0, 0), *square[1:]]], rock),
+                         lambda: scene.add_rock(CLUMP, x, (0, 0, 0), material=rock), lambda: scene.add_rock(CLUMP, 1, (0, x, 0), material=rock),
+                         lambda: scene.add_rock(CLUMP, 1, (0, 0, 0), (x, 0, 0, 1), material=rock), lambda: scene.set_velocity(fixed, (x, 0, 0)),
+                         lambda: scene.add_membrane(radius=x, height=1, pressure=1, contact_stiffness=1, material=rock),
+                         lambda: scene.add_recorder(fixed, rate=x), lambda: scene.add_sensor(fixed, [1.0], [(0, 0, 0)], deviation=x)):
+                with self.assertRaises(bris.InputError):
+                    call()
+        for wrong in ((0, 0, 0), (1e-200, 0, 0), (1e200, 0, 0)):
+            with self.assertRaises(bris.InputError):
+                scene.add_plane((0, 0, 0), wrong, rock)
+        with self.assertRaises(bris.InputError):
+            scene.add_rock(CLUMP, 1, (0, 0, 0), (0, 0, 0, 0), material=rock)
+        with self.assertRaisesRegex(bris.InputError, 'four corners in a plane'):
+            scene.add_facets([[*square[:2], (1, 1, 0.1), square[3]]], rock)
+        with self.assertRaisesRegex(bris.InputError, 'convex'):
+            scene.add_facets([[square[0], square[2], square[1], square[3]]], rock)
+        with self.assertRaisesRegex(bris.InputError, 'free or prescribed'):
+            scene.set_velocity(fixed, (0, 0, 1))
+
+    def child(self, code, timeout=60):
+        """Output of a process that runs Python code with this file as `test`; it must end by itself, without a signal."""
+        code = 'import os, sys, threading, time, bris, numpy as np, module_test as test\n' + textwrap.dedent(code)
+        done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, timeout=timeout,
+                              env={**os.environ, 'PYTHONPATH': os.pathsep.join([str(Path(__file__).parent), *sys.path])})
+        self.assertGreaterEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def test_a_daemon_thread_that_steps_does_not_crash_the_end_of_the_interpreter(self):
+        for threads in (1, 2):
+            done = self.child(f'''
+                def work():
+                    s = test.column_of_spheres(threads={threads})
+                    while True:
+                        try:
+                            s.advance(10**9)
+                        except BaseException:
+                            pass
+                for _ in range(3):
+                    threading.Thread(target=work, daemon=True).start()
+                time.sleep(0.3)
+                print('end')''')
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (0, 'end\n', ''))
+
+    def test_a_forked_process_computes_or_says_why_it_cannot(self):
+        done = self.child('''
+            one, two = test.column_of_spheres(1), test.column_of_spheres(2)
+            one.advance(100)
+            child = os.fork()
+            if child == 0:
+                one.advance(100)
+                two.advance(100)  # no thread existed before the fork
+                test.column_of_spheres(2).advance(100)
+                sys.exit(7)
+            assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+            two.advance(100)
+            child = os.fork()
+            if child == 0:
+                one.advance(100)
+                for refused in (two, test.column_of_spheres(2)):
+                    try:
+                        refused.advance(100)
+                    except RuntimeError as error:
+                        assert 'spawn' in str(error)
+                    else:
+                        os._exit(1)
+                one.field('porosity'), one.contacts(), one.quantities()
+                sys.exit(7)
+            assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+            one.advance(100)
+            print(one.fingerprint == two.fingerprint)''')
+        self.assertEqual((done.returncode, done.stderr), (0, ''))
+
+    def test_objects_are_neither_copied_nor_pickled(self):
+        scene = bris.Scene('spheres', step=1e-5)
+        for thing in (scene, column_of_spheres()):
+            for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+                with self.assertRaises(TypeError):
+                    copied(thing)
+
+    def test_simulations_of_several_threads_do_not_disturb_each_other(self):
+        alone = column_of_spheres()
+        alone.advance(5000)
+        fingerprints = []
+
+        def work(threads):
+            s = column_of_spheres(threads)
+            for _ in range(10):
+                s.advance(500)
+                s.contacts(), s.state(), s.quantities()
+            fingerprints.append(s.fingerprint)
+        threads = [threading.Thread(target=work, args=(1 + k % 2,)) for k in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(fingerprints, [alone.fingerprint] * 4)
 
     def test_a_guard_that_stops_the_run_raises_simulation_error(self):
         s = column_of_spheres()
