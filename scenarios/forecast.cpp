@@ -105,19 +105,18 @@ void print(const std::string& text) {
     std::fflush(stdout);
 }
 
-std::vector<RecordedMovement> given_movements(const Forecast& f, const Train& train,
-                                              const std::vector<std::string>& names) {
+std::vector<RecordedMovement>
+given_movements(const Forecast& f, const Train& train, const std::vector<std::string>& names,
+                const std::function<void(const std::string&)>& report) {
     if (!std::filesystem::is_directory(f.recordings)) return read_movements(f.recordings, names);
     const RailOnTies rails = TrackSlice{f.design.box}.rails();
-    return movements_in(f.recordings, passing_load(train, f.speed, rails, dead_load), names, print);
+    return movements_in(f.recordings, passing_load(train, f.speed, rails, dead_load), names,
+                        report);
 }
 
 /// With --resume, checkpoints of the folder are taken over into that of the results.
 void take_over(const Common& common) {
     if (common.resume.empty()) return;
-    require(
-        std::filesystem::is_directory(common.resume),
-        fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));
     if (std::filesystem::equivalent(common.resume, common.out)) return;
     for (const char* part : {"members", "site"})
         if (std::filesystem::exists(common.resume / part))
@@ -133,12 +132,8 @@ std::vector<Site> members_of(const Forecast& f, const std::vector<Train>& trains
     if (f.ensemble.empty())
         return make_members(f.design, trains, common, common.out / "members",
                             {resumed_by(common), of_members});
-    const auto folder = f.ensemble / "members";
-    require(std::filesystem::is_directory(folder),
-            fmt::format("--ensemble: expected the folder of an ensemble, with a folder members, "
-                        "found '{}'",
-                        f.ensemble.string()));
-    return make_members(f.design, trains, common, folder, {"--ensemble", of_members});
+    return make_members(f.design, trains, common, f.ensemble / "members",
+                        {"--ensemble", of_members});
 }
 
 /// The part that has to end before the next train comes.
@@ -159,7 +154,7 @@ void run_forecast(const Forecast& f, const Common& common) {
     trains.push_back(train_named(f.next_train, "--next-train"));
     const bool simulated = f.recordings.empty();
     std::vector<RecordedMovement> recordings;
-    if (!simulated) recordings = given_movements(f, before.back(), names);
+    if (!simulated) recordings = given_movements(f, before.back(), names, print);
     take_over(common);
     ForecastResults results{
         .names = names,
@@ -197,6 +192,22 @@ void run_forecast(const Forecast& f, const Common& common) {
     report_results(common, summary);
 }
 
+void check(const Forecast& f, const Common& common) {
+    const std::vector<std::string> names = sensors_of(f, common);
+    const Train train = train_named(f.train);
+    say_how_read(grading_named(f.design.box.grading));
+    say_how_read(train);
+    say_how_read(train_named(f.next_train, "--next-train"));
+    if (!f.recordings.empty()) (void)given_movements(f, train, names, [](const std::string&) {});
+    require(
+        common.resume.empty() || std::filesystem::is_directory(common.resume),
+        fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));
+    require(f.ensemble.empty() || std::filesystem::is_directory(f.ensemble / "members"),
+            fmt::format("--ensemble: expected the folder of an ensemble, with a folder members, "
+                        "found '{}'",
+                        f.ensemble.string()));
+}
+
 void run(const Forecast& f, const Common& common) {
     try {
         run_forecast(f, common);
@@ -216,5 +227,5 @@ int main(int argc, char** argv) {
     return run_scenario<Forecast>(argc, argv,
                                   {"forecast", "Forecasts from recordings of one train the "
                                                "deflection of the ballast under the next one."},
-                                  run, explain);
+                                  check, run, explain);
 }
