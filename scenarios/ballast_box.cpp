@@ -242,7 +242,7 @@ std::vector<std::string_view> may_differ_from(const std::filesystem::path& check
     return keys;
 }
 
-void check(const BallastBox& box, const Common&) {
+void check_options(const BallastBox& box, const Common&) {
     say_how_read(grading_named(box.grading)); // all else is checked where the scene is made
 }
 
@@ -300,5 +300,5 @@ int main(int argc, char** argv) {
         {.name = "ballast_box",
          .description = "A section of ballasted track under cyclic loads (runs of table 1).",
          .divides = true},
-        check, run, explain_box);
+        check_options, run, explain_box);
 }

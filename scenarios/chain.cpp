@@ -120,7 +120,7 @@ Summary wave_results(const ChainWave& wave) {
 
 bool is_pulse(const Chain& settings) { return settings.kind == "pulse"; }
 
-void check(const Chain& settings, const Common&) {
+void check_options(const Chain& settings, const Common&) {
     is_pulse(settings) ? check(pulse_of(settings)) : check(wave_of(settings));
 }
 
@@ -140,5 +140,5 @@ int main(int argc, char** argv) {
     return run_scenario<Chain>(
         argc, argv,
         {"chain", "Waves in a straight chain of beads.", "a run of a chain takes only a moment"},
-        check, run, explain);
+        check_options, run, explain);
 }

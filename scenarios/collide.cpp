@@ -111,7 +111,7 @@ Collide completed(const CollideSettings& settings, const Common& common) {
     return s;
 }
 
-void check(const CollideSettings& settings, const Common& common) {
+void check_options(const CollideSettings& settings, const Common& common) {
     check(completed(settings, common));
 }
 
@@ -153,5 +153,5 @@ int main(int argc, char** argv) {
         {"collide",
          "A ball with a sensor collides with others, and a model assimilates its recording.",
          "a run of a collision takes only a moment"},
-        check, run, explain);
+        check_options, run, explain);
 }

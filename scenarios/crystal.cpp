@@ -101,7 +101,7 @@ Summary stability(const Settings& s) {
     return t;
 }
 
-void check(const Settings& settings, const Common&) {
+void check_options(const Settings& settings, const Common&) {
     if (settings.what == "moduli") check(crystal_of(settings));
 }
 
@@ -123,5 +123,5 @@ int main(int argc, char** argv) {
                                    "Elastic moduli and stability limit of a crystal of equal "
                                    "spheres.",
                                    "a run of a crystal takes only a moment"},
-                                  check, run, explain);
+                                  check_options, run, explain);
 }

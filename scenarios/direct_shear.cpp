@@ -266,7 +266,7 @@ void draw(const ShearBox& box, const Runs& runs, const Common& common) {
     draw_plots(common.out / "direct_shear.png", panels);
 }
 
-void check(const ShearBox& box, const Common& common) {
+void check_options(const ShearBox& box, const Common& common) {
     require_folder_to_resume(common);
     check_shear_box(box);
     say_how_read(grading_named(box.rocks.grading));
@@ -307,6 +307,6 @@ std::string explain(const ShearBox& box, const Common& common) {
 
 int main(int argc, char** argv) {
     return run_scenario<ShearBox>(
-        argc, argv, {"direct_shear", "Direct shear of railway ballast in a large box."}, check, run,
-        explain);
+        argc, argv, {"direct_shear", "Direct shear of railway ballast in a large box."},
+        check_options, run, explain);
 }

@@ -192,7 +192,7 @@ void run_forecast(const Forecast& f, const Common& common) {
     report_results(common, summary);
 }
 
-void check(const Forecast& f, const Common& common) {
+void check_options(const Forecast& f, const Common& common) {
     const std::vector<std::string> names = sensors_of(f, common);
     const Train train = train_named(f.train);
     say_how_read(grading_named(f.design.box.grading));
@@ -227,5 +227,5 @@ int main(int argc, char** argv) {
     return run_scenario<Forecast>(argc, argv,
                                   {"forecast", "Forecasts from recordings of one train the "
                                                "deflection of the ballast under the next one."},
-                                  check, run, explain);
+                                  check_options, run, explain);
 }

@@ -479,7 +479,7 @@ Live completed(Live s) {
     return s;
 }
 
-void check(const Live& given, const Common& common) {
+void check_options(const Live& given, const Common& common) {
     const Live s = completed(given);
     require(s.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one pressure, found several");
@@ -520,5 +520,5 @@ int main(int argc, char** argv) {
                                            "Follows a running triaxial test with SmartRocks and "
                                            "estimates the motion of all rocks while records "
                                            "arrive."},
-                                          bris::check, bris::run, bris::explain);
+                                          bris::check_options, bris::run, bris::explain);
 }

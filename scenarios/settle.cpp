@@ -70,7 +70,7 @@ void draw(const World& world, const Series& motion, const Common& common) {
     draw_picture(common.out / "settle.png", {&view, 1});
 }
 
-void check(const Settle& settings, const Common&) {
+void check_options(const Settle& settings, const Common&) {
     (void)steps_of(settings.duration, settings.bed.step, "duration");
 }
 
@@ -138,5 +138,5 @@ std::string explain(const Settle& settings, const Common& common) {
 int main(int argc, char** argv) {
     const ScenarioInfo info{
         .name = "settle", .description = "Spheres settle in a box under gravity.", .divides = true};
-    return run_scenario<Settle>(argc, argv, info, check, run, explain);
+    return run_scenario<Settle>(argc, argv, info, check_options, run, explain);
 }

@@ -465,7 +465,7 @@ std::string explain(const Smart& given, const Common& common) {
     return explain_triaxial(with_recorded_poses(given.triaxial, given.recordings), common);
 }
 
-void check(const Smart& given, const Common& common) {
+void check_options(const Smart& given, const Common& common) {
     Smart s = given;
     s.triaxial = with_recorded_poses(given.triaxial, given.recordings);
     check_test(s.triaxial);
@@ -503,5 +503,5 @@ int main(int argc, char** argv) {
                                            {"smart_triaxial",
                                             "Models a triaxial test recorded with SmartRocks and "
                                             "learns from the recordings during the run."},
-                                           bris::check, bris::run, bris::explain);
+                                           bris::check_options, bris::run, bris::explain);
 }

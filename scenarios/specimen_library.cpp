@@ -170,7 +170,7 @@ void check_libraries(const LibraryRun& s, const Common& common) {
     if (library.specimens.size() >= fewest_scored) LibraryScore(s, common, library);
 }
 
-void check(const LibraryRun& s, const Common& common) {
+void check_options(const LibraryRun& s, const Common& common) {
     require(s.library.empty() || common.resume.empty(),
             "--library, --resume: expected one of them; a library that is scored is not continued");
     require(s.truths.empty() || !s.library.empty(),
@@ -233,5 +233,5 @@ int main(int argc, char** argv) {
         {"specimen_library",
          "Tests many specimens of different friction, stiffness, porosity and packing, and keeps "
          "the results as a library for predictions."},
-        bris::check, bris::run, bris::explain);
+        bris::check_options, bris::run, bris::explain);
 }

@@ -173,7 +173,7 @@ void draw(const Runs& runs, const Common& common) {
     draw_plots(common.out / "tie_push.png", {force, shares});
 }
 
-void check(const TieBed& bed, const Common& common) {
+void check_options(const TieBed& bed, const Common& common) {
     require_folder_to_resume(common);
     check_tie_bed(bed);
     say_how_read(grading_named(bed.rocks.grading));
@@ -218,5 +218,5 @@ std::string explain(const TieBed& bed, const Common& common) {
 int main(int argc, char** argv) {
     return run_scenario<TieBed>(argc, argv,
                                 {"tie_push", "Lateral resistance of a single tie in ballast."},
-                                check, run, explain);
+                                check_options, run, explain);
 }

@@ -85,7 +85,7 @@ Summary results_of(const PendulumResult& r) {
     return t;
 }
 
-void check(const Turning& settings, const Common&) {
+void check_options(const Turning& settings, const Common&) {
     settings.kind == "free" ? check(settings.top) : check(settings.pendulum);
 }
 
@@ -106,5 +106,5 @@ int main(int argc, char** argv) {
         argc, argv,
         {"top", "A rigid body rotates without torque, or swings as a compound pendulum.",
          "a run always starts from the beginning"},
-        check, run, explain);
+        check_options, run, explain);
 }

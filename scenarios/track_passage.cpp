@@ -174,7 +174,7 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
     add_quantities(summary, last.quantities());
 }
 
-void check(const TrackPassage& t, const Common&) {
+void check_options(const TrackPassage& t, const Common&) {
     say_how_read(grading_named(t.box.grading));
     say_how_read(train_named(t.train));
     if (t.first_train != "none") say_how_read(train_named(t.first_train, "--first-train"));
@@ -231,5 +231,5 @@ int main(int argc, char** argv) {
         {.name = "track_passage",
          .description = "Trains pass over a tie on clean or fouled ballast with sensor rocks.",
          .divides = true},
-        check, run, explain);
+        check_options, run, explain);
 }

@@ -339,7 +339,7 @@ void print_card(const FouledTriaxial& t) {
                card.clump_stiffness.value, card.clump_stiffness.low, card.clump_stiffness.high);
 }
 
-void check(const FouledTriaxial& given, const Common& typed) {
+void check_options(const FouledTriaxial& given, const Common& typed) {
     Common common = typed;
     const FouledTriaxial t = with_card(given, common);
     require_memory_for(t,
@@ -400,5 +400,5 @@ int main(int argc, char** argv) {
          .description =
              "Drained triaxial compression of railway ballast in a servo-controlled membrane.",
          .divides = true},
-        bris::check, bris::run, bris::explain);
+        bris::check_options, bris::run, bris::explain);
 }

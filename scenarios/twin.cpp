@@ -15,7 +15,7 @@ namespace bris {
 
 namespace {
 
-void check(const TwinSettings& t, const Common& common) {
+void check_options(const TwinSettings& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one pressure, found several");
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
@@ -63,5 +63,5 @@ int main(int argc, char** argv) {
         {"twin", "TwinSettings experiment: records a simulated triaxial test and models it without "
                  "and with the "
                  "recordings."},
-        bris::check, bris::run, bris::explain);
+        bris::check_options, bris::run, bris::explain);
 }

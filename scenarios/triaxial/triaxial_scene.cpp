@@ -59,16 +59,14 @@ void require_wide(const Triaxial& t, const TriaxialScene& s, std::uint64_t seed)
     const auto refuse = [&](const std::string& enough) {
         throw InputError(fmt::format(
             "--bodies: expected a specimen at least {:g} times as wide as its largest rock of "
-            "{:.1f} "
-            "mm (--least-diameter), found {:.2f} times with {} rocks; grading {} needs {}",
+            "{:.1f} mm (--least-diameter), found {:.2f} times with {} rocks; grading {} needs {}",
             t.least_diameter, 1e3 * largest_rock(s), found, t.bodies, s.grading.name, enough));
     };
     // rocks of a wide grading are too many to be drawn: they are counted
     constexpr double most_drawn = 20000;
-    const double volume =
-                     s.sample.solid_volume *
-                     std::pow(t.least_diameter * s.grading.size_at(1) / (2 * s.specimen.radius), 3),
-                 rocks = expected_rocks(s.grading, s.clumps, volume);
+    const double wider = t.least_diameter * s.grading.size_at(1) / (2 * s.specimen.radius);
+    const double volume = s.sample.solid_volume * std::pow(wider, 3);
+    const double rocks = expected_rocks(s.grading, s.clumps, volume);
     if (rocks > most_drawn) {
         const auto [sieve, of_coarser] = cut_for(s.grading, s.clumps, volume, most_drawn);
         refuse(fmt::format("{:.3g} rocks; without its sieves below {:g} mm, {:.0f}", rocks,
