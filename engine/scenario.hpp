@@ -73,10 +73,13 @@ void print_explanation(const std::string& text);
 } // namespace detail
 
 /// The main function of a scenario. Reads the flags into a `Settings` (which describes itself, see
-/// Options) and calls `run(settings, common)`, or with --explain `explain(settings, common)`, which
-/// returns the text. Returns the exit code of the process (see exit_codes).
-template <class Settings, class Run, class Explain>
-int run_scenario(int argc, char** argv, const ScenarioInfo& info, Run&& run, Explain&& explain) {
+/// Options), calls `check(settings, common)` and then `run(settings, common)`, or with --explain
+/// `explain(settings, common)`, which returns the text. `check` refuses what the range of one
+/// option does not: options that contradict each other, and files that the run would refuse; it
+/// writes nothing. Returns the exit code of the process (see exit_codes).
+template <class Settings, class Check, class Run, class Explain>
+int run_scenario(int argc, char** argv, const ScenarioInfo& info, Check&& check, Run&& run,
+                 Explain&& explain) {
     return detail::exit_code_of(info.name, [&] {
         find_assets(argc, argv);
         Settings settings;
@@ -86,9 +89,17 @@ int run_scenario(int argc, char** argv, const ScenarioInfo& info, Run&& run, Exp
         if (!detail::parse_flags(options, common, argc, argv, info)) return;
         const Settings& given = settings;
         const Common& flags = common;
+        check(given, flags);
         if (common.explain) return detail::print_explanation(explain(given, flags));
         detail::run_in_folder(common.out, [&] { run(given, flags); });
     });
+}
+/// The same for a scenario whose options need no such check.
+template <class Settings, class Run, class Explain>
+int run_scenario(int argc, char** argv, const ScenarioInfo& info, Run&& run, Explain&& explain) {
+    return run_scenario<Settings>(
+        argc, argv, info, [](const Settings&, const Common&) {}, std::forward<Run>(run),
+        std::forward<Explain>(explain));
 }
 /// The same for a scenario without --explain (`info.cannot_explain`).
 template <class Settings, class Run>

@@ -242,6 +242,10 @@ std::vector<std::string_view> may_differ_from(const std::filesystem::path& check
     return keys;
 }
 
+void check_options(const BallastBox& box, const Common&) {
+    say_how_read(grading_named(box.grading)); // all else is checked where the scene is made
+}
+
 void run(const BallastBox& box, const Common& common) {
     Simulation simulation = make_box_simulation(box, common);
     const World& world = simulation.world();
@@ -296,5 +300,5 @@ int main(int argc, char** argv) {
         {.name = "ballast_box",
          .description = "A section of ballasted track under cyclic loads (runs of table 1).",
          .divides = true},
-        run, explain_box);
+        check_options, run, explain_box);
 }

@@ -65,13 +65,27 @@ struct Chain {
     }
 };
 
-Summary pulse_results(const Chain& s, const Common& common) {
+ChainPulse pulse_of(const Chain& s) {
     ChainPulse pulse = s.pulse;
     pulse.beads = s.beads;
     pulse.radius = s.radius;
     pulse.step = s.step;
     pulse.law = law_named(s.law);
     pulse.material = s.material.material;
+    return pulse;
+}
+
+ChainWave wave_of(const Chain& s) {
+    ChainWave wave = s.wave;
+    wave.beads = s.beads;
+    wave.radius = s.radius;
+    wave.step = s.step;
+    wave.law = law_named(s.law);
+    wave.material = s.material.material;
+    return wave;
+}
+
+Summary pulse_results(const ChainPulse& pulse, const Common& common) {
     const ChainPulseResult r = run_experiment(pulse);
     std::vector<std::vector<double>> rows;
     for (std::size_t i = 0; i < r.arrival.size(); ++i)
@@ -90,13 +104,7 @@ Summary pulse_results(const Chain& s, const Common& common) {
     return t;
 }
 
-Summary wave_results(const Chain& s) {
-    ChainWave wave = s.wave;
-    wave.beads = s.beads;
-    wave.radius = s.radius;
-    wave.step = s.step;
-    wave.law = law_named(s.law);
-    wave.material = s.material.material;
+Summary wave_results(const ChainWave& wave) {
     const ChainWaveResult r = run_experiment(wave);
     Summary t;
     t.add("frequency_rad_per_s", r.frequency);
@@ -110,9 +118,15 @@ Summary wave_results(const Chain& s) {
     return t;
 }
 
+bool is_pulse(const Chain& settings) { return settings.kind == "pulse"; }
+
+void check_options(const Chain& settings, const Common&) {
+    is_pulse(settings) ? check(pulse_of(settings)) : check(wave_of(settings));
+}
+
 void run(const Chain& settings, const Common& common) {
-    const Summary results =
-        settings.kind == "pulse" ? pulse_results(settings, common) : wave_results(settings);
+    const Summary results = is_pulse(settings) ? pulse_results(pulse_of(settings), common)
+                                               : wave_results(wave_of(settings));
     report_results(common, results);
 }
 
@@ -126,5 +140,5 @@ int main(int argc, char** argv) {
     return run_scenario<Chain>(
         argc, argv,
         {"chain", "Waves in a straight chain of beads.", "a run of a chain takes only a moment"},
-        run, explain);
+        check_options, run, explain);
 }

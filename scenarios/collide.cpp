@@ -100,7 +100,7 @@ struct CollideSettings {
     }
 };
 
-void run(const CollideSettings& settings, const Common& common) {
+Collide completed(const CollideSettings& settings, const Common& common) {
     Collide s = settings.collide;
     s.law = law_named(settings.law);
     s.material = settings.material.material;
@@ -108,7 +108,15 @@ void run(const CollideSettings& settings, const Common& common) {
     s.material.restitution = settings.restitution;
     s.filter.kind = named<FilterKind>(filter_names, settings.filter);
     s.seed = common.seed;
-    const CollideResult r = run_experiment(s);
+    return s;
+}
+
+void check_options(const CollideSettings& settings, const Common& common) {
+    check(completed(settings, common));
+}
+
+void run(const CollideSettings& settings, const Common& common) {
+    const CollideResult r = run_experiment(completed(settings, common));
     std::vector<std::vector<double>> rows;
     for (std::size_t k = 0; k < r.truth.size(); ++k)
         rows.push_back({static_cast<double>(k), r.truth[k].x(), r.truth[k].y(), r.free[k].x(),
@@ -145,5 +153,5 @@ int main(int argc, char** argv) {
         {"collide",
          "A ball with a sensor collides with others, and a model assimilates its recording.",
          "a run of a collision takes only a moment"},
-        run, explain);
+        check_options, run, explain);
 }

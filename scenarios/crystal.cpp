@@ -58,12 +58,16 @@ struct Settings {
     }
 };
 
-Summary moduli(const Settings& s) {
+Crystal crystal_of(const Settings& s) {
     Crystal crystal = s.crystal;
     crystal.lattice = named<Lattice>(lattice_names, s.lattice);
     crystal.law = law_named(s.law);
     crystal.material = s.material.material;
     crystal.material.friction = s.friction;
+    return crystal;
+}
+
+Summary moduli(const Crystal& crystal) {
     const CrystalResult r = run_experiment(crystal);
     const double density = crystal.material.density * pi / 6 / cell_volume(crystal.lattice);
     Summary t;
@@ -97,8 +101,13 @@ Summary stability(const Settings& s) {
     return t;
 }
 
+void check_options(const Settings& settings, const Common&) {
+    if (settings.what == "moduli") check(crystal_of(settings));
+}
+
 void run(const Settings& settings, const Common& common) {
-    const Summary results = settings.what == "moduli" ? moduli(settings) : stability(settings);
+    const Summary results =
+        settings.what == "moduli" ? moduli(crystal_of(settings)) : stability(settings);
     report_results(common, results);
 }
 
@@ -114,5 +123,5 @@ int main(int argc, char** argv) {
                                    "Elastic moduli and stability limit of a crystal of equal "
                                    "spheres.",
                                    "a run of a crystal takes only a moment"},
-                                  run, explain);
+                                  check_options, run, explain);
 }

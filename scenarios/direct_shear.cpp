@@ -266,9 +266,13 @@ void draw(const ShearBox& box, const Runs& runs, const Common& common) {
     draw_plots(common.out / "direct_shear.png", panels);
 }
 
-void run(const ShearBox& box, const Common& common) {
+void check_options(const ShearBox& box, const Common& common) {
     require_folder_to_resume(common);
     check_shear_box(box);
+    say_how_read(grading_named(box.rocks.grading));
+}
+
+void run(const ShearBox& box, const Common& common) {
     const std::vector<ShearTest> tests = tests_of(box);
     Progress progress = make_progress(common);
     const Packing packing = make_packing(box, common, progress_slot(progress, 0));
@@ -303,6 +307,6 @@ std::string explain(const ShearBox& box, const Common& common) {
 
 int main(int argc, char** argv) {
     return run_scenario<ShearBox>(
-        argc, argv, {"direct_shear", "Direct shear of railway ballast in a large box."}, run,
-        explain);
+        argc, argv, {"direct_shear", "Direct shear of railway ballast in a large box."},
+        check_options, run, explain);
 }

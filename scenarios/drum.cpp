@@ -219,9 +219,13 @@ void report(const DrumTest& t, BulkRun& run) {
                  .curves = {series.curve("zone1_m1", "M1"), series.curve("zone1_m2", "M2")}}});
 }
 
-void run(const DrumTest& t, const Common& common) {
+void check_options(const DrumTest& t, const Common& common) {
     const unsigned spheres = t.small_spheres + t.large_spheres;
     require_memory("spheres", spheres, bytes_of_spheres(spheres), common.memory_limit);
+    check_bulk(t.bulk, common);
+}
+
+void run(const DrumTest& t, const Common& common) {
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
@@ -237,5 +241,5 @@ int main(int argc, char** argv) {
         {.name = "drum",
          .description = "A rotating drum mixes two kinds of spheres (Dosta et al. 2024, case 2).",
          .divides = true},
-        run, explain);
+        check_options, run, explain);
 }

@@ -125,9 +125,6 @@ FolderOfMovements given_movements(const Forecast& f, const Train& train,
 /// With --resume, checkpoints of the folder are taken over into that of the results.
 void take_over(const Common& common) {
     if (common.resume.empty()) return;
-    require(
-        std::filesystem::is_directory(common.resume),
-        fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));
     if (std::filesystem::equivalent(common.resume, common.out)) return;
     for (const char* part : {"members", "site"})
         if (std::filesystem::exists(common.resume / part))
@@ -143,12 +140,8 @@ std::vector<Site> members_of(const Forecast& f, const std::vector<Train>& trains
     if (f.ensemble.empty())
         return make_members(f.design, trains, common, common.out / "members",
                             {resumed_by(common), of_members});
-    const auto folder = f.ensemble / "members";
-    require(std::filesystem::is_directory(folder),
-            fmt::format("--ensemble: expected the folder of an ensemble, with a folder members, "
-                        "found '{}'",
-                        f.ensemble.string()));
-    return make_members(f.design, trains, common, folder, {"--ensemble", of_members});
+    return make_members(f.design, trains, common, f.ensemble / "members",
+                        {"--ensemble", of_members});
 }
 
 /// The part that has to end before the next train comes.
@@ -209,6 +202,22 @@ void run_forecast(const Forecast& f, const Common& common) {
     report_results(common, summary);
 }
 
+void check_options(const Forecast& f, const Common& common) {
+    const std::vector<std::string> names = sensors_of(f, common);
+    const Train train = train_named(f.train);
+    say_how_read(grading_named(f.design.box.grading));
+    say_how_read(train);
+    say_how_read(train_named(f.next_train, "--next-train"));
+    if (!f.recordings.empty()) (void)given_movements(f, train, names, [](const std::string&) {});
+    require(
+        common.resume.empty() || std::filesystem::is_directory(common.resume),
+        fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));
+    require(f.ensemble.empty() || std::filesystem::is_directory(f.ensemble / "members"),
+            fmt::format("--ensemble: expected the folder of an ensemble, with a folder members, "
+                        "found '{}'",
+                        f.ensemble.string()));
+}
+
 void run(const Forecast& f, const Common& common) {
     const SavesWhenInterrupted saves("continue with --resume " + common.out.string());
     run_forecast(f, common);
@@ -224,5 +233,5 @@ int main(int argc, char** argv) {
     return run_scenario<Forecast>(argc, argv,
                                   {"forecast", "Forecasts from recordings of one train the "
                                                "deflection of the ballast under the next one."},
-                                  run, explain);
+                                  check_options, run, explain);
 }

@@ -174,6 +174,8 @@ Summary results_of(const Impact& s, const ImpactResult& r) {
     return t;
 }
 
+void check_options(const ImpactSettings& settings, const Common&) { check(settings.complete()); }
+
 void run(const ImpactSettings& settings, const Common& common) {
     const Impact impact = settings.complete();
     const Summary results = results_of(impact, run_experiment(impact));
@@ -191,5 +193,5 @@ int main(int argc, char** argv) {
                                         {"impact",
                                          "One impact of a sphere on a sphere or a surface.",
                                          "a run of an impact takes only a moment"},
-                                        run, explain);
+                                        check_options, run, explain);
 }

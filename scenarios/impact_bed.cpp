@@ -228,8 +228,12 @@ void report(const ImpactTest& t, BulkRun& run) {
                          series.plot("velocity", "Vertical velocity of the ball")});
 }
 
-void run(const ImpactTest& t, const Common& common) {
+void check_options(const ImpactTest& t, const Common& common) {
     require_memory("spheres", t.spheres, bytes_of_spheres(t.spheres), common.memory_limit);
+    check_bulk(t.bulk, common);
+}
+
+void run(const ImpactTest& t, const Common& common) {
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
@@ -242,6 +246,6 @@ std::string explain(const ImpactTest& t, const Common& common) {
 int main(int argc, char** argv) {
     return run_scenario<ImpactTest>(
         argc, argv,
-        {"impact_bed", "A steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)."}, run,
-        explain);
+        {"impact_bed", "A steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)."},
+        check_options, run, explain);
 }

@@ -127,22 +127,23 @@ std::filesystem::path prepare_stream(const Live& s, const Common& common) {
     return common.out / "replay.ndjson";
 }
 
+std::vector<SensorInfo> infos_of(const Live& s) {
+    return infos_of_test(s.recordings, s.triaxial.confining_pressure.front(),
+                         read_sensor_infos(s.recordings));
+}
+
 class LiveRun {
 public:
     LiveRun(const Live& settings, const Common& common)
         : s_(settings), common_(common), scene_(make_scene(s_.triaxial, common.seed)),
           test_settings_(s_.triaxial.test), progress_(make_progress(common)) {
         test_settings_.confining_pressure = s_.triaxial.confining_pressure.front();
-        infos_ = infos_of_test(s_.recordings, test_settings_.confining_pressure,
-                               read_sensor_infos(s_.recordings));
-        require_sensor_for_each(scene_.poses, infos_);
+        infos_ = infos_of(s_);
         if (RunBroker::is_needed(s_.broker, s_.stream)) {
             // before the specimen is made: what arrives until then waits in the queue of the client
             broker_.emplace(s_.broker, s_.stream, 0.0, common_);
             publish_unknown(broker_->link(), broker_->name(), infos_);
         }
-        if (!s_.stream.empty() && s_.stream != "-" && !std::filesystem::exists(s_.stream))
-            throw OutputError(fmt::format("--stream: cannot read '{}'", s_.stream.string()));
         log_ = begin_log(s_.broker,
                          broker_ && broker_->gives_records() ? LoggedRecords::messages
                                                              : LoggedRecords::lines,
@@ -436,11 +437,16 @@ std::string explain(const Live& given, const Common& common) {
     return explain_triaxial(with_recorded_poses(given.triaxial, given.recordings), common);
 }
 
-void run(const Live& given, const Common& common) {
-    Live s = given;
-    s.triaxial = with_recorded_poses(given.triaxial, given.recordings);
+/// With the poses that the recordings give, and the stream that is the default.
+Live completed(Live s) {
+    s.triaxial = with_recorded_poses(s.triaxial, s.recordings);
     if (s.stream.empty() && s.broker.client.address.empty())
         s.stream = assets_folder() / "smartrock" / "55kPa";
+    return s;
+}
+
+void check_options(const Live& given, const Common& common) {
+    const Live s = completed(given);
     require(s.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one pressure, found several");
     const std::string folder = folder_of(s.triaxial.confining_pressure.front());
@@ -455,6 +461,15 @@ void run(const Live& given, const Common& common) {
     refuse_friction(s.triaxial);
     require_memory_for_members(s, common.memory_limit);
     require_same_specimen(common);
+    say_how_read(grading_named(s.triaxial.grading));
+    require_sensor_for_each(make_scene(s.triaxial, common.seed).poses, infos_of(s));
+    if (!s.stream.empty() && s.stream != "-" && !std::filesystem::exists(s.stream))
+        throw OutputError(fmt::format("--stream: cannot read '{}'", s.stream.string()));
+    if (is_replay) (void)stream_of(s.stream, s.stage_time, s.live.quality_control.rest);
+}
+
+void run(const Live& given, const Common& common) {
+    const Live s = completed(given);
     LiveRun live(s, common);
     live.run();
     live.report();
@@ -471,5 +486,5 @@ int main(int argc, char** argv) {
                                            "Follows a running triaxial test with SmartRocks and "
                                            "estimates the motion of all rocks while records "
                                            "arrive."},
-                                          bris::run, bris::explain);
+                                          bris::check_options, bris::run, bris::explain);
 }

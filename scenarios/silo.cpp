@@ -257,10 +257,14 @@ void report(const SiloTest& t, BulkRun& run) {
                           .curves = {{.x = middle, .y = rate}}}});
 }
 
-void run(const SiloTest& t, const Common& common) {
+void check_options(const SiloTest& t, const Common& common) {
     require_memory("spheres", t.spheres, bytes_of_spheres(t.spheres), common.memory_limit);
     require(t.window.size() == 2 && t.window[0] < t.window[1],
             "--window: expected two times, the second one later");
+    check_bulk(t.bulk, common);
+}
+
+void run(const SiloTest& t, const Common& common) {
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
@@ -276,5 +280,5 @@ int main(int argc, char** argv) {
         {.name = "silo",
          .description = "A silo discharges through its orifice (Dosta et al. 2024, case 1).",
          .divides = true},
-        run, explain);
+        check_options, run, explain);
 }

@@ -462,16 +462,29 @@ std::string explain(const Smart& given, const Common& common) {
     return explain_triaxial(with_recorded_poses(given.triaxial, given.recordings), common);
 }
 
-void run(const Smart& given, const Common& common) {
+void check_options(const Smart& given, const Common& common) {
     Smart s = given;
     s.triaxial = with_recorded_poses(given.triaxial, given.recordings);
     check_test(s.triaxial);
     refuse_friction(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
     require_same_specimen(common);
+    say_how_read(grading_named(s.triaxial.grading));
+    const auto infos = read_sensor_infos(s.recordings);
+    require_sensor_for_each(make_scene(s.triaxial, common.seed).poses, infos);
+    std::vector<ModelOfTest> models;
+    for (const double pressure : s.triaxial.confining_pressure) {
+        (void)read_recorded_test(s.recordings, pressure, infos, s.quality_control);
+        models.push_back({common.settings, s.triaxial.test.core_porosity(), pressure});
+    }
+    if (is_given(s.library)) (void)read_fitting_library(s.library, models);
+}
+
+void run(const Smart& given, const Common& common) {
+    Smart s = given;
+    s.triaxial = with_recorded_poses(given.triaxial, given.recordings);
     const auto infos = read_sensor_infos(s.recordings);
     TriaxialScene scene = make_scene(s.triaxial, common.seed);
-    require_sensor_for_each(scene.poses, infos);
     const SavesWhenInterrupted saves("continue with --resume " + common.out.string());
     Computation computation(s, common, std::move(scene), judged_tests(s, common, infos));
     computation.run();
@@ -488,5 +501,5 @@ int main(int argc, char** argv) {
                                            {"smart_triaxial",
                                             "Models a triaxial test recorded with SmartRocks and "
                                             "learns from the recordings during the run."},
-                                           bris::run, bris::explain);
+                                           bris::check_options, bris::run, bris::explain);
 }

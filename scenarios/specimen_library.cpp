@@ -81,6 +81,8 @@ std::size_t index_of(double pressure, const SpecimenLibrary& library) {
                                  all, pressure));
 }
 
+constexpr std::size_t fewest_scored = 10;
+
 /// Scores a library, each test from the measurements that are asked for.
 class LibraryScore {
 public:
@@ -161,15 +163,23 @@ void LibraryScore::draw(const Scoring& scoring, const std::vector<SpecimenScore>
                 scoring.predicted_at, scores);
 }
 
-void check_settings(const LibraryRun& s, const Common& common) {
+/// The libraries that are to be joined and scored are read and fit each other.
+void check_libraries(const LibraryRun& s, const Common& common) {
+    SpecimenLibrary library = read_library(s.library);
+    if (!s.joined.empty()) join(library, read_library(s.joined), s.joined);
+    if (library.specimens.size() >= fewest_scored) LibraryScore(s, common, library);
+}
+
+void check_options(const LibraryRun& s, const Common& common) {
     require(s.library.empty() || common.resume.empty(),
             "--library, --resume: expected one of them; a library that is scored is not continued");
     require(s.truths.empty() || !s.library.empty(),
             "--truths: expected --library, the library that predicts them");
     require(s.joined.empty() || !s.library.empty(),
             "--join: expected --library, the library to which the specimens are added");
-    if (!s.library.empty()) return;
+    if (!s.library.empty()) return check_libraries(s, common);
     check_design(s.design, s.triaxial);
+    say_how_read(grading_named(s.triaxial.grading));
     require(s.triaxial.test.friction == TriaxialSettings{}.friction,
             "--friction: not used by this scenario, whose specimens have frictions from "
             "--lowest-friction to --highest-friction; expected --preparation-friction, that of "
@@ -193,10 +203,7 @@ SpecimenLibrary given_library(const LibraryRun& s, const Common& common) {
     return library;
 }
 
-constexpr std::size_t fewest_scored = 10;
-
 void run(const LibraryRun& s, const Common& common) {
-    check_settings(s, common);
     const SpecimenLibrary library =
         s.library.empty() ? make_library(s, common) : given_library(s, common);
     Summary summary;
@@ -226,5 +233,5 @@ int main(int argc, char** argv) {
         {"specimen_library",
          "Tests many specimens of different friction, stiffness, porosity and packing, and keeps "
          "the results as a library for predictions."},
-        bris::run, bris::explain);
+        bris::check_options, bris::run, bris::explain);
 }

@@ -173,9 +173,13 @@ void draw(const Runs& runs, const Common& common) {
     draw_plots(common.out / "tie_push.png", {force, shares});
 }
 
-void run(const TieBed& bed, const Common& common) {
+void check_options(const TieBed& bed, const Common& common) {
     require_folder_to_resume(common);
     check_tie_bed(bed);
+    say_how_read(grading_named(bed.rocks.grading));
+}
+
+void run(const TieBed& bed, const Common& common) {
     const std::vector<TieTest> tests = tests_of(bed);
     Progress progress = make_progress(common);
     Simulation making = make_tie_bed(bed, common.seed, common.threads, common.serial);
@@ -212,6 +216,7 @@ std::string explain(const TieBed& bed, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<TieBed>(
-        argc, argv, {"tie_push", "Lateral resistance of a single tie in ballast."}, run, explain);
+    return run_scenario<TieBed>(argc, argv,
+                                {"tie_push", "Lateral resistance of a single tie in ballast."},
+                                check_options, run, explain);
 }

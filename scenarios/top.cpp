@@ -85,6 +85,10 @@ Summary results_of(const PendulumResult& r) {
     return t;
 }
 
+void check_options(const Turning& settings, const Common&) {
+    settings.kind == "free" ? check(settings.top) : check(settings.pendulum);
+}
+
 void run(const Turning& settings, const Common& common) {
     const Summary results = settings.kind == "free" ? results_of(run_experiment(settings.top))
                                                     : results_of(run_experiment(settings.pendulum));
@@ -102,5 +106,5 @@ int main(int argc, char** argv) {
         argc, argv,
         {"top", "A rigid body rotates without torque, or swings as a compound pendulum.",
          "a run always starts from the beginning"},
-        run, explain);
+        check_options, run, explain);
 }

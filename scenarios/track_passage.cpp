@@ -174,9 +174,14 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
     add_quantities(summary, last.quantities());
 }
 
+void check_options(const TrackPassage& t, const Common&) {
+    say_how_read(grading_named(t.box.grading));
+    say_how_read(train_named(t.train));
+    if (t.first_train != "none") say_how_read(train_named(t.first_train, "--first-train"));
+}
+
 void run(const TrackPassage& t, const Common& common) {
     const Train train = train_named(t.train);
-    if (t.first_train != "none") (void)train_named(t.first_train, "--first-train");
     Simulation simulation = make_box_simulation(t.box, common);
     const World& world = simulation.world();
     BoxTestRun test(simulation, t.box, common.seed);
@@ -226,5 +231,5 @@ int main(int argc, char** argv) {
         {.name = "track_passage",
          .description = "Trains pass over a tie on clean or fouled ballast with sensor rocks.",
          .divides = true},
-        run, explain);
+        check_options, run, explain);
 }

@@ -327,14 +327,19 @@ FouledTriaxial with_card(FouledTriaxial t, Common& common) {
         if (setting.key == "friction") setting.value = t.test.friction;
         if (setting.key == "clump_stiffness_N_per_m") setting.value = t.specimen.clump_stiffness;
     }
+    return t;
+}
+
+void print_card(const FouledTriaxial& t) {
+    if (t.material.empty()) return;
+    const MaterialCard card = read_material_card(t.material);
     fmt::print("rocks of {}: friction {:.3g} ({:.3g} to {:.3g}), contact stiffness {:.3g} N/m "
                "({:.3g} to {:.3g})\n",
                t.material.string(), card.friction.value, card.friction.low, card.friction.high,
                card.clump_stiffness.value, card.clump_stiffness.low, card.clump_stiffness.high);
-    return t;
 }
 
-void run(const FouledTriaxial& given, const Common& typed) {
+void check_options(const FouledTriaxial& given, const Common& typed) {
     Common common = typed;
     const FouledTriaxial t = with_card(given, common);
     require_memory_for(t,
@@ -342,9 +347,16 @@ void run(const FouledTriaxial& given, const Common& typed) {
                        common.memory_limit);
     check_test(t);
     check_fouling(t.fouling);
+    Resume(common.resume, t.confining_pressure.size()).require_same_settings(t, common);
+    say_how_read(grading_named(t.grading));
+}
+
+void run(const FouledTriaxial& given, const Common& typed) {
+    Common common = typed;
+    const FouledTriaxial t = with_card(given, common);
+    print_card(t);
     const std::size_t tests = t.confining_pressure.size();
     const Resume from(common.resume, tests);
-    from.require_same_settings(t, common);
     const TriaxialScene scene = make_scene(t, common.seed);
     print_specimen(t, scene);
     const unsigned at_once =
@@ -367,7 +379,9 @@ void run(const FouledTriaxial& given, const Common& typed) {
     write_all(shared, done);
 }
 
-std::string explain(const FouledTriaxial& t, const Common& common) {
+std::string explain(const FouledTriaxial& given, const Common& typed) {
+    Common common = typed;
+    const FouledTriaxial t = with_card(given, common);
     if (!t.fouling.any()) return explain_triaxial(t, common);
     Simulation simulation = make_simulation(make_scene(t, common.seed), 1, common.serial);
     add_fouling(simulation.world(), t.fouling);
@@ -386,5 +400,5 @@ int main(int argc, char** argv) {
          .description =
              "Drained triaxial compression of railway ballast in a servo-controlled membrane.",
          .divides = true},
-        bris::run, bris::explain);
+        bris::check_options, bris::run, bris::explain);
 }

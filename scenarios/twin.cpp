@@ -15,7 +15,7 @@ namespace bris {
 
 namespace {
 
-void run(const TwinSettings& t, const Common& common) {
+void check_options(const TwinSettings& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one pressure, found several");
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
@@ -39,6 +39,10 @@ void run(const TwinSettings& t, const Common& common) {
     check_test(t.triaxial);
     require_memory_for(t.triaxial, common.threads, common.memory_limit);
     require_same_specimen(common);
+    say_how_read(grading_named(t.triaxial.grading));
+}
+
+void run(const TwinSettings& t, const Common& common) {
     TwinExperiment experiment(t, common);
     experiment.run();
     experiment.report();
@@ -59,5 +63,5 @@ int main(int argc, char** argv) {
         {"twin", "TwinSettings experiment: records a simulated triaxial test and models it without "
                  "and with the "
                  "recordings."},
-        bris::run, bris::explain);
+        bris::check_options, bris::run, bris::explain);
 }

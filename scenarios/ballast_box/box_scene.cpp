@@ -164,6 +164,7 @@ void plan_rocks(const BallastBox& box, const BoxSizes& s, BoxBodies& bodies, Ent
     for (std::size_t c = 0; c < courses.size(); ++c)
         total += wanted[c] = (1 - box.porosity) * courses[c].thickness * area_of(s, c);
     const double cubed = std::pow(box.scale(), 3);
+    require_countable(grading, bodies.shapes, total / cubed, box.smallest_rock, "--smallest-rock");
     std::size_t count = 1000;
     RockSample sample;
     for (int tries = 0; tries < 4; ++tries) { // the mean volume hardly depends on the number

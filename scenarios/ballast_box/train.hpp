@@ -17,13 +17,20 @@ struct Axle {
 struct Train {
     std::string name;
     std::vector<Axle> axles;
+    /// How the file was read, for people, where it is not in the form of assets/trains; else "".
+    std::string read_as = {};
     double length() const { return axles.back().behind; } ///< m, from first to last axle
 };
 
-/// The train of that name (assets/trains), or of a CSV file with the columns `position_m`, the
-/// distance behind the first axle, ascending from 0, and `axle_load_kN`, above 0 and at most 500.
-/// Throws InputError, naming the option or the file with its line, and OutputError.
+/// The train of that name (assets/trains), or of a table (read_text_table). It has a column with
+/// the positions of the axles, distances behind the first one, ascending from 0, or with their
+/// spacings, each the distance behind the axle before (the first one is 0), in m, cm, mm or ft, and
+/// one with the axle loads, above 0 and at most 500 kN, in kN, N, t, kg, kip or lbf. Throws
+/// InputError, naming the option or the file with its line, and OutputError.
 Train train_named(const std::string& name, const std::string& option = "--train");
+
+/// Prints one line if the file of the train is in another form than those of assets/trains.
+void say_how_read(const Train& train);
 
 /// Rails on ties as a beam on a Winkler foundation (S. Timoshenko, Method of analysis of statical
 /// and dynamical stresses in rail, Proc. 2nd Int. Congr. Appl. Mech., 1926).

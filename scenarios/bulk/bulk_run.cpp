@@ -37,7 +37,30 @@ std::vector<RunFile::Column> with_common_columns(std::vector<RunFile::Column> co
     return columns;
 }
 
+std::vector<Curve> reference_in(const BulkSettings& settings) {
+    if (settings.reference.empty()) return {};
+    const CsvTable table = read_csv(settings.reference);
+    require(table.names.size() >= 2,
+            fmt::format("{}: expected two columns, time in s and value, found {}",
+                        settings.reference.string(), table.names.size()));
+    return {{.label = settings.reference.stem().string(),
+             .x = table.column(table.names[0]),
+             .y = table.column(table.names[1]),
+             .style = Curve::Style::dashed}};
+}
+
 } // namespace
+
+void check_bulk(const BulkSettings& settings, const Common& common) {
+    (void)steps_of(settings.duration, settings.bed.step, "duration");
+    (void)steps_of(settings.sample_interval, settings.bed.step, "sample-interval");
+    (void)reference_in(settings);
+    require(common.resume.empty() || settings.bed_file.empty(),
+            "--bed: expected none together with --resume");
+    if (!settings.bed_file.empty())
+        (void)checkpoint_to_resume(settings.bed_file, common.scenario, common.settings,
+                                   settings_of_run_only, "--bed");
+}
 
 double hertz_contact_time(double radius, double density, double young_modulus, double speed) {
     const double mass = density * 4 / 3 * pi * radius * radius * radius / 2,
@@ -72,20 +95,9 @@ void BulkRun::Extremes::load(const Archive& archive) {
         get_fields(archive, "run/extremes", std::tie(stable_step, overlap));
 }
 
-std::vector<Curve> BulkRun::reference() const {
-    if (settings_.reference.empty()) return {};
-    const CsvTable table = read_csv(settings_.reference);
-    require(table.names.size() >= 2,
-            fmt::format("{}: expected two columns, time in s and value, found {}",
-                        settings_.reference.string(), table.names.size()));
-    return {{.label = settings_.reference.stem().string(),
-             .x = table.column(table.names[0]),
-             .y = table.column(table.names[1]),
-             .style = Curve::Style::dashed}};
-}
+std::vector<Curve> BulkRun::reference() const { return reference_in(settings_); }
 
 bool BulkRun::run() {
-    (void)reference(); // fail now if the file cannot be read
     start_from_files();
     std::vector<Phase> phases{bed_phase()};
     if (!settings_.fill_only) phases.push_back(case_phase());
@@ -94,8 +106,6 @@ bool BulkRun::run() {
 }
 
 void BulkRun::start_from_files() {
-    require(common_.resume.empty() || settings_.bed_file.empty(),
-            "--bed: expected none together with --resume");
     if (!common_.resume.empty()) {
         run_.resume(common_.resume,
                     {"duration_s", "frames", "reference", "window_s", "fill_only", "bed"});

@@ -31,6 +31,9 @@ struct BulkSettings {
     void describe(auto& option);
 };
 
+/// Throws InputError and OutputError if the curve to compare with, or the bed, cannot be used.
+void check_bulk(const BulkSettings& settings, const Common& common);
+
 /// A case: its scene with neighbour lists, and what it does at the samples of a run.
 struct BulkCase {
     World world;

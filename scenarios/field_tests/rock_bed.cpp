@@ -258,6 +258,7 @@ RockSample sample_of_volume(const BedRocks& rocks, const std::vector<Clump>& clu
                             std::uint64_t seed) {
     const Grading grading = grading_named(rocks.grading);
     const double cubed = std::pow(rocks.scale, 3);
+    require_countable(grading, clumps, volume / cubed, rocks.smallest, "--smallest-rock");
     std::size_t count = 1000;
     RockSample sample;
     for (int tries = 0; tries < 4; ++tries) { // the mean volume hardly depends on the number

@@ -2,7 +2,6 @@
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
-#include "engine/io/csv.hpp"
 #include "engine/random.hpp"
 
 #include <fmt/format.h>
@@ -101,48 +100,6 @@ std::pair<double, double> cut(const Grading& grading, std::span<const Clump> clu
     return {smallest, truncated};
 }
 
-void check_rows(const std::filesystem::path& path, const Grading& grading,
-                const std::vector<int>& lines) {
-    const auto refuse = [&](std::size_t k, const std::string& what) {
-        throw InputError(fmt::format("{}:{}: {}", path.string(), lines[k], what));
-    };
-    constexpr double least_coarse = 1e-4, most_coarse = 2; // m, of gradings of grains
-    constexpr double widest = 1e4;                         // ratio of sieves
-    for (std::size_t k = 0; k < grading.sieves.size(); ++k) {
-        const Sieve& sieve = grading.sieves[k];
-        if (!(sieve.size > 0 && std::isfinite(sieve.size)))
-            refuse(k, "sieve: expected a positive size");
-        const double coarsest = grading.sieves.front().size;
-        if (k == 0 && !(coarsest >= least_coarse && coarsest <= most_coarse))
-            refuse(k,
-                   fmt::format("sieve_mm: expected {:g} to {:g} mm for the coarsest sieve, found "
-                               "{:.4g} mm: is it in another unit?",
-                               1e3 * least_coarse, 1e3 * most_coarse, 1e3 * coarsest));
-        if (sieve.size * widest < coarsest)
-            refuse(k, fmt::format("sieve_mm: expected at least 1/{:g} of the coarsest sieve, found "
-                                  "{:.4g} mm",
-                                  widest, 1e3 * sieve.size));
-        if (std::isnan(sieve.lower) != std::isnan(sieve.upper))
-            refuse(k, "limits: expected two numbers, or - in both columns, found one of each");
-        if (!(sieve.lower >= 0 && sieve.upper <= 1 && sieve.lower <= sieve.upper))
-            refuse(k, fmt::format("limits: expected 0 <= lower <= upper <= 100, found {} and {}",
-                                  100 * sieve.lower, 100 * sieve.upper));
-        if (k == 0) continue;
-        const Sieve& coarser = grading.sieves[k - 1];
-        if (sieve.size >= coarser.size)
-            refuse(k, "sieve: expected sizes that decrease from line to line");
-        if (sieve.lower > coarser.lower || sieve.upper > coarser.upper)
-            refuse(k, "limits: expected them not to increase towards finer sieves");
-    }
-    require(grading.sieves.size() >= 2,
-            path.string() + ":1: expected at least two sieves with limits");
-    if (grading.sieves.back().lower == 1)
-        refuse(grading.sieves.size() - 1,
-               "limits: expected less than 100 % to pass the finest sieve with limits");
-    if (grading.sieves.front().lower < 1)
-        refuse(0, "limits: expected 100 % to pass the coarsest sieve");
-}
-
 } // namespace
 
 double Grading::passing(double size) const {
@@ -175,20 +132,46 @@ double Grading::size_at(double share) const {
     return end;
 }
 
-Grading read_grading(const std::filesystem::path& path) {
-    const CsvTable table = read_csv(path);
-    const std::vector<double> size = table.column("sieve_mm"),
-                              lower = table.column("lower_percent"),
-                              upper = table.column("upper_percent");
-    Grading grading{.name = path.stem().string(), .sieves = {}};
-    std::vector<int> lines;
-    for (std::size_t k = 0; k < size.size(); ++k) {
-        if (std::isnan(lower[k]) && std::isnan(upper[k])) continue;
-        grading.sieves.push_back({1e-3 * size[k], lower[k] / 100, upper[k] / 100});
-        lines.push_back(table.lines[k]);
+double expected_rocks(const Grading& grading, std::span<const Clump> clumps, double solid_volume,
+                      double smallest_size) {
+    const auto [smallest, truncated] = cut(grading, clumps, smallest_size);
+    double volume = 0; // of a rock of sieve size 1, mean over the clumps
+    for (const Clump& clump : clumps)
+        volume += unit_volume(clump) / static_cast<double>(clumps.size());
+    // where the passing mass is linear in the logarithm of the size d, the integral of its
+    // increment over d^3 is the difference of d^-3 times a third of the slope
+    double per_volume = 0;
+    for (std::size_t k = 1; k <= grading.sieves.size(); ++k) {
+        const double coarse = grading.sieves[k - 1].size;
+        const double fine =
+            std::max(smallest, k < grading.sieves.size() ? grading.sieves[k].size : 0.5 * coarse);
+        if (fine >= coarse) break;
+        const double slope =
+            (grading.passing(coarse) - grading.passing(fine)) / std::log(coarse / fine);
+        per_volume += slope / 3 * (1 / cubed(fine) - 1 / cubed(coarse)) / volume;
     }
-    check_rows(path, grading, lines);
-    return grading;
+    return solid_volume * per_volume / (1 - truncated);
+}
+
+std::pair<double, double> cut_for(const Grading& grading, std::span<const Clump> clumps,
+                                  double solid_volume, double most) {
+    std::pair<double, double> found{0, 0};
+    for (auto sieve = grading.sieves.rbegin(); sieve != grading.sieves.rend(); ++sieve) {
+        if (grading.passing(sieve->size) >= 1) break;
+        found = {sieve->size, expected_rocks(grading, clumps, solid_volume, sieve->size)};
+        if (found.second <= most) break;
+    }
+    return found;
+}
+
+void require_countable(const Grading& grading, std::span<const Clump> clumps, double solid_volume,
+                       double smallest_size, const std::string& option) {
+    const double found = expected_rocks(grading, clumps, solid_volume, smallest_size);
+    if (found <= most_rocks) return;
+    const auto [sieve, rocks] = cut_for(grading, clumps, solid_volume);
+    throw InputError(fmt::format("{}: expected at most {:g} rocks, found {:.3g} of grading {}; cut "
+                                 "at its sieve of {:g} mm there are {:.3g}",
+                                 option, most_rocks, found, grading.name, 1e3 * sieve, rocks));
 }
 
 RockSample sample_rocks(const Grading& grading, std::span<const Clump> clumps, std::size_t count,

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace bris {
@@ -22,6 +23,8 @@ struct Sieve {
 struct Grading {
     std::string name;
     std::vector<Sieve> sieves; ///< coarsest first; only those with limits
+    /// How the file was read, for people, where it is not in the form of assets/gradings; else "".
+    std::string read_as = {};
 
     /// Mass fraction that passes the size `size` (m) on the mid-range curve, 0 to 1.
     double passing(double size) const;
@@ -29,10 +32,16 @@ struct Grading {
     double size_at(double share) const;
 };
 
-/// Reads a grading band from a CSV file with the columns sieve_mm, lower_percent, upper_percent;
-/// "-" where the specification sets no limit. Throws InputError with file:line unless the sizes
-/// decrease, 0 <= lower <= upper <= 100, the limits do not increase towards finer sieves, 100 %
-/// passes the coarsest sieve, and at least two sieves have limits.
+/// Reads a grading from a table (read_text_table) as laboratories write it. One column has the
+/// sizes of the sieves ("sieve", "size", "opening", "aperture" or "diameter" in its title; mm
+/// unless the title has another unit), from coarse to fine or from fine to coarse. Either two
+/// columns have the limits of what passes ("lower" and "upper", or "min" and "max"; "-" where the
+/// specification sets no limit), or one has what passes ("pass" or "finer") or is retained
+/// ("retain"; on each sieve, or cumulative), or both, which must then agree. Shares are in percent
+/// or fractions of the mass; a row "pan" has what is finer. Where the coarsest sieve retains up to
+/// 20 %, the curve goes on straight to the size that all passes, as one more sieve. Throws
+/// InputError with file:line unless 0 <= lower <= upper <= 100 %, the shares do not increase
+/// towards finer sieves, and at least two sieves have them.
 Grading read_grading(const std::filesystem::path& path);
 
 /// A rock: index of its clump in the library, and its sieve size (m).
@@ -48,6 +57,25 @@ struct RockSample {
     double smallest_size = 0;      ///< m, size below which the grading was truncated
     double truncated_fraction = 0; ///< mass fraction of the full grading that is finer
 };
+
+/// Number of rocks in a solid volume (m³) of the mid-range curve, truncated below `smallest_size`
+/// as in sample_rocks, by integration: nothing is drawn. Throws InputError as sample_rocks does.
+double expected_rocks(const Grading& grading, std::span<const Clump> clumps, double solid_volume,
+                      double smallest_size = 0);
+
+/// What can be counted on before rocks are drawn: the most rocks that a scene may have.
+inline constexpr double most_rocks = 1e6;
+
+/// The finest sieve (m) at which the grading can be truncated so that a solid volume (m³) has at
+/// most `most` rocks, and their number; the coarsest sieve that retains something if there are
+/// always more.
+std::pair<double, double> cut_for(const Grading& grading, std::span<const Clump> clumps,
+                                  double solid_volume, double most = most_rocks);
+
+/// Throws InputError, naming the option that truncates the grading and the sieve for it, if a solid
+/// volume (m³) has more than most_rocks.
+void require_countable(const Grading& grading, std::span<const Clump> clumps, double solid_volume,
+                       double smallest_size, const std::string& option);
 
 /// Samples `count` rocks from the mid-range curve, truncated below `smallest_size` (m; 0: the
 /// finest sieve with limits). The cumulative mass axis of the curve is divided, from coarse to

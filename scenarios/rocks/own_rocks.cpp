@@ -2,7 +2,10 @@
 
 #include "engine/assets.hpp"
 #include "engine/io/csv.hpp"
+#include "engine/message.hpp"
 #include "scenarios/rocks/clump_library.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -10,6 +13,11 @@ namespace bris {
 
 Grading grading_named(const std::string& name) {
     return read_grading(asset_or_file("--grading", "gradings", name, ".csv"));
+}
+
+void say_how_read(const Grading& grading) {
+    if (!grading.read_as.empty())
+        say(fmt::format("grading {}: read with {}", grading.name, grading.read_as));
 }
 
 std::vector<Clump> clumps_of(const std::filesystem::path& folder) {

@@ -19,6 +19,9 @@ inline constexpr auto help_clumps =
 /// path. Throws InputError.
 Grading grading_named(const std::string& name);
 
+/// Prints one line if the file of the grading is in another form than those of assets/gradings.
+void say_how_read(const Grading& grading);
+
 /// The clumps of a folder (--clumps); of assets/clumps if the path is empty. Throws InputError.
 std::vector<Clump> clumps_of(const std::filesystem::path& folder);
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,13 +20,20 @@ struct RawMesh {
     std::vector<std::size_t> lines;
     bool binary = false;
 
+    /// Adds a polygon, divided into triangles. `line`: where it is in the file. Throws InputError
+    /// if it cannot be divided.
+    void add_face(std::span<const std::size_t> polygon, std::size_t line);
+
     /// The location of a triangle: file:line, or its number in a binary file.
-    std::string where(std::size_t triangle) const {
-        return fmt::format("{}:{}{}", path.string(), binary ? " triangle " : "", lines[triangle]);
+    std::string where(std::size_t triangle) const { return where_line(lines[triangle]); }
+
+private:
+    std::string where_line(std::size_t line) const {
+        return fmt::format("{}:{}{}", path.string(), binary ? " triangle " : "", line);
     }
 };
 
-/// Merges the corners and checks the surface as read_mesh states. Throws InputError.
+/// Joins the triangles and checks the surface as read_mesh states. Throws InputError.
 Polyhedron closed_surface(RawMesh mesh);
 
 } // namespace bris

@@ -105,10 +105,7 @@ Polyhedron read_obj(const std::filesystem::path& path) {
                 polygon.push_back(static_cast<std::size_t>(index - 1));
             }
             if (polygon.size() < 3) refuse("f: expected at least three indices");
-            for (std::size_t k = 2; k < polygon.size(); ++k) {
-                mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
-                mesh.lines.push_back(number);
-            }
+            mesh.add_face(polygon, number);
         }
     }
     return closed_surface(std::move(mesh));

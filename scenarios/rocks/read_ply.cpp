@@ -221,10 +221,7 @@ private:
                                    static_cast<double>(mesh_.corners.size()) - 1, index));
             polygon.push_back(static_cast<std::size_t>(index));
         }
-        for (std::size_t k = 2; k < polygon.size(); ++k) {
-            mesh_.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
-            mesh_.lines.push_back(mesh_.binary ? row + 1 : line_);
-        }
+        if (is_face) mesh_.add_face(polygon, mesh_.binary ? row + 1 : line_);
     }
 
     std::filesystem::path path_;

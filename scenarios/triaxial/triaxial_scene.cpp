@@ -56,6 +56,22 @@ void require_wide(const Triaxial& t, const TriaxialScene& s, std::uint64_t seed)
     };
     const double found = ratio_in(s);
     if (found >= t.least_diameter) return;
+    const auto refuse = [&](const std::string& enough) {
+        throw InputError(fmt::format(
+            "--bodies: expected a specimen at least {:g} times as wide as its largest rock of "
+            "{:.1f} mm (--least-diameter), found {:.2f} times with {} rocks; grading {} needs {}",
+            t.least_diameter, 1e3 * largest_rock(s), found, t.bodies, s.grading.name, enough));
+    };
+    // rocks of a wide grading are too many to be drawn: they are counted
+    constexpr double most_drawn = 20000;
+    const double wider = t.least_diameter * s.grading.size_at(1) / (2 * s.specimen.radius);
+    const double volume = s.sample.solid_volume * std::pow(wider, 3);
+    const double rocks = expected_rocks(s.grading, s.clumps, volume);
+    if (rocks > most_drawn) {
+        const auto [sieve, of_coarser] = cut_for(s.grading, s.clumps, volume, most_drawn);
+        refuse(fmt::format("{:.3g} rocks; without its sieves below {:g} mm, {:.0f}", rocks,
+                           1e3 * sieve, std::ceil(of_coarser)));
+    }
     Triaxial enough = t; // more rocks reach a larger rock, so that their number is found by trial
     for (double ratio = found; ratio < t.least_diameter;) {
         const double factor = std::pow(t.least_diameter / ratio, 3);
@@ -63,10 +79,7 @@ void require_wide(const Triaxial& t, const TriaxialScene& s, std::uint64_t seed)
         enough.least_diameter = 0;
         ratio = ratio_in(make_scene(enough, seed));
     }
-    throw InputError(fmt::format(
-        "--bodies: expected a specimen at least {:g} times as wide as its largest rock of {:.1f} "
-        "mm (--least-diameter), found {:.2f} times with {} rocks; grading {} needs {} rocks",
-        t.least_diameter, 1e3 * largest_rock(s), found, t.bodies, t.grading, enough.bodies));
+    refuse(fmt::format("{} rocks", enough.bodies));
 }
 
 } // namespace

@@ -26,9 +26,13 @@ std::vector<EntityId> add_beads(World& world, unsigned count, double spacing, do
 
 } // namespace
 
-ChainWaveResult run_experiment(const ChainWave& s) {
+void check(const ChainWave& s) {
     require(s.mode >= 1 && s.mode <= s.beads,
             "chain: expected a mode from 1 to the number of beads");
+}
+
+ChainWaveResult run_experiment(const ChainWave& s) {
+    check(s);
     const double gap = s.overlap * s.radius, spacing = 2 * s.radius - gap;
     const NormalContact c = like_spheres(s.material, s.law, s.radius, 1);
     const double mass = 2 * c.mass;
@@ -73,9 +77,13 @@ ChainWaveResult run_experiment(const ChainWave& s) {
     return r;
 }
 
-ChainPulseResult run_experiment(const ChainPulse& s) {
+void check(const ChainPulse& s) {
     require(s.beads >= 10 && s.front > 0 && s.front < s.rear && s.rear < 1,
             "chain: expected at least 10 beads and 0 < front < rear < 1");
+}
+
+ChainPulseResult run_experiment(const ChainPulse& s) {
+    check(s);
     const NormalContact c = like_spheres(s.material, s.law, s.radius, s.speed);
     const double mass = 2 * c.mass;
     ChainPulseResult r;

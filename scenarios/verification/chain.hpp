@@ -27,9 +27,11 @@ struct ChainWaveResult {
     double stiffness = 0;          ///< N/m, tangent stiffness of a contact
     std::uint64_t steps = 0;
 };
+/// Throws InputError for a mode out of range.
+void check(const ChainWave& chain);
 /// Runs the experiment. The frequency of the engine's chain equals that of the leapfrog to rounding
-/// for linear contacts, and to second order in the amplitude for Hertz contacts. Throws InputError
-/// for a mode out of range.
+/// for linear contacts, and to second order in the amplitude for Hertz contacts. Throws as
+/// check.
 ChainWaveResult run_experiment(const ChainWave& chain);
 
 /// Nesterenko's solitary wave: the first bead is thrown at a chain of beads that just touch.
@@ -54,7 +56,9 @@ struct ChainPulseResult {
     double momentum_change = 0;  ///< relative to m v0
     std::uint64_t steps = 0;
 };
-/// Runs the experiment. Throws InputError for fewer than 10 beads, or unless 0 < front < rear < 1.
+/// Throws InputError for fewer than 10 beads, or unless 0 < front < rear < 1.
+void check(const ChainPulse& chain);
+/// Runs the experiment. Throws as check.
 ChainPulseResult run_experiment(const ChainPulse& chain);
 
 } // namespace bris

@@ -15,16 +15,6 @@ namespace {
 
 constexpr EntityId first = 0;
 
-void check(const Collide& s) {
-    require(s.balls >= 2, fmt::format("collide: expected at least two balls, found {}", s.balls));
-    require(s.radius > 0 && s.speed > 0 && s.gap > 0 && s.after > 0 && s.sampling_rate > 0,
-            "collide: expected radius, speed, gap, time after the touch and sampling rate above 0");
-    require(std::abs(s.offset) < 2 && std::abs(s.offset + s.model_offset) < 2,
-            "collide: expected offsets of the path within two radii");
-    require(s.model_speed > 0,
-            fmt::format("collide: expected a model speed above 0, found {:g}", s.model_speed));
-}
-
 /// Positions (m) of the balls that are hit: the first one lies at the origin, the others lie in
 /// rows behind it.
 std::vector<Vec3> targets(const Collide& s) {
@@ -108,6 +98,16 @@ void advance(Simulation& run, FirstTouch& touch) {
 }
 
 } // namespace
+
+void check(const Collide& s) {
+    require(s.balls >= 2, fmt::format("collide: expected at least two balls, found {}", s.balls));
+    require(s.radius > 0 && s.speed > 0 && s.gap > 0 && s.after > 0 && s.sampling_rate > 0,
+            "collide: expected radius, speed, gap, time after the touch and sampling rate above 0");
+    require(std::abs(s.offset) < 2 && std::abs(s.offset + s.model_offset) < 2,
+            "collide: expected offsets of the path within two radii");
+    require(s.model_speed > 0,
+            fmt::format("collide: expected a model speed above 0, found {:g}", s.model_speed));
+}
 
 CollideResult run_experiment(const Collide& s) {
     check(s);

@@ -57,7 +57,9 @@ struct CollideResult {
     std::uint64_t steps = 0;
 };
 
-/// Runs the experiment. Throws InputError if the numbers are out of range.
+/// Throws InputError if the numbers are out of range.
+void check(const Collide& collide);
+/// Runs the experiment. Throws as check.
 CollideResult run_experiment(const Collide& collide);
 
 } // namespace bris

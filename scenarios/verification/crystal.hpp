@@ -32,10 +32,11 @@ struct CrystalResult {
     double bulk = 0;                  ///< Pa, bulk modulus
     double unbalanced = 0; ///< largest resultant force on the sphere relative to the contact force
 };
+/// Throws InputError for a pressure or strain that is not above 0, or a strain that is too large.
+void check(const Crystal& crystal);
 /// Computes the moduli as stress (1/V) sum f l / 2 per strain, from the engine's contact forces at
 /// plus and minus the strain. Second order in strain / (overlap / spacing). Changes of forces that
-/// result only from the rotation of contacts are subtracted. Throws InputError for a pressure or
-/// strain that is not above 0, or a strain that is too large.
+/// result only from the rotation of contacts are subtracted. Throws as check.
 CrystalResult run_experiment(const Crystal& crystal);
 
 /// A neighbour of a sphere in a wave. Its displacement is that of the sphere times `translation`,

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 namespace bris {
 
@@ -115,7 +116,7 @@ Run make_run(const Impact& s, double dt, double wait) {
             sphere ? s.partner_radius : 0};
 }
 
-void check(const Impact& s) {
+void check_numbers(const Impact& s) {
     require(s.radius > 0 && s.partner_radius > 0, "impact: expected radii above 0 m");
     require(s.speed > 0, fmt::format("impact: expected a speed above 0 m/s, found {:g}", s.speed));
     require(s.angle >= 0 && s.angle < pi / 2,
@@ -149,6 +150,17 @@ void check_dashpot(const Run& run, const Impact& s, double dt) {
                         "step, found {:.2g} times the speed: {:.0f} steps per contact "
                         "are not enough, {:.0f} are",
                         part, s.steps_per_contact, std::ceil(1.01 * part * s.steps_per_contact)));
+}
+
+constexpr double lead = 3; ///< steps before the contact
+
+/// The simulation at the start and its time step (s). Throws as check.
+std::pair<Run, double> checked_run(const Impact& s) {
+    check_numbers(s);
+    const double dt = normal_contact(s).time() / s.steps_per_contact;
+    std::pair<Run, double> made{make_run(s, dt, (lead - s.phase) * dt), dt};
+    check_dashpot(made.first, s, dt);
+    return made;
 }
 
 double work(Run& run, auto component) {
@@ -201,11 +213,10 @@ NormalContact normal_contact(const Impact& s) {
     return c;
 }
 
+void check(const Impact& s) { (void)checked_run(s); }
+
 ImpactResult run_experiment(const Impact& s) {
-    check(s);
-    const double dt = normal_contact(s).time() / s.steps_per_contact, lead = 3;
-    Run run = make_run(s, dt, (lead - s.phase) * dt);
-    check_dashpot(run, s, dt);
+    auto [run, dt] = checked_run(s);
     ImpactResult r;
     r.energy_before = run.energy();
     r.slip_before = run.slip().x();

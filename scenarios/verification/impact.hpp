@@ -66,9 +66,12 @@ struct ImpactResult {
     std::uint64_t steps = 0;
 };
 
+/// Throws InputError for settings out of range, or a time step in which a dashpot takes more than
+/// the whole speed.
+void check(const Impact& impact);
 /// Runs one impact. The error is of second order in dt, and of fourth order without damping and
-/// friction. Throws InputError for settings out of range, SimulationError if the contact does not
-/// end within 50 contact times.
+/// friction. Throws as check, and SimulationError if the contact does not end within 50 contact
+/// times.
 ImpactResult run_experiment(const Impact& impact);
 
 } // namespace bris

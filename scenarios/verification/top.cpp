@@ -105,8 +105,13 @@ Quat FreeTop::attitude(double time, int steps) const {
 
 double FreeTop::period() const { return 4 * std::comp_ellint_1(std::sqrt(m_)) / rate_; }
 
-TopResult run_experiment(const Top& s) {
+void check(const Top& s) {
     require(s.angle_per_step > 0 && s.duration > 0, "top: expected a step and a duration above 0");
+    (void)FreeTop(s.inertia, s.angular_velocity);
+}
+
+TopResult run_experiment(const Top& s) {
+    check(s);
     const FreeTop exact(s.inertia, s.angular_velocity);
     TopResult r;
     r.steps = static_cast<std::uint64_t>(
@@ -143,10 +148,14 @@ TopResult run_experiment(const Top& s) {
     return r;
 }
 
-PendulumResult run_experiment(const Pendulum& s) {
+void check(const Pendulum& s) {
     require(s.amplitude > 0 && s.amplitude < pi / 4,
             "pendulum: expected an amplitude above 0 and below pi/4 rad, so that both planes carry "
             "load");
+}
+
+PendulumResult run_experiment(const Pendulum& s) {
+    check(s);
     World world = make_world(Grains::clumps);
     const double weight = s.mass * s.gravity, k = s.stiffness_ratio * weight / s.arm,
                  dt = s.step_share * std::sqrt(s.mass / k);

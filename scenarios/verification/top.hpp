@@ -49,8 +49,10 @@ struct TopResult {
     double norm_drift = 0;             ///< largest ||q| - 1|
 };
 
-/// Runs the top with the engine's integration of rotation. Fourth order in the angle of a step.
 /// Throws InputError for a step or duration that is not above 0, or where FreeTop does.
+void check(const Top& top);
+/// Runs the top with the engine's integration of rotation. Fourth order in the angle of a step.
+/// Throws as check.
 TopResult run_experiment(const Top& top);
 
 /// A compound pendulum: a clump that swings about one of its spheres, which lies in a groove of two
@@ -75,8 +77,9 @@ struct PendulumResult {
     double pivot_travel = 0;    ///< largest displacement of the sphere's centre, relative to arm
     std::uint64_t steps = 0;
 };
-/// Runs the experiment. Throws InputError for an amplitude out of range, SimulationError if the
-/// pendulum does not swing.
+/// Throws InputError for an amplitude out of range.
+void check(const Pendulum& pendulum);
+/// Runs the experiment. Throws as check, and SimulationError if the pendulum does not swing.
 PendulumResult run_experiment(const Pendulum& pendulum);
 
 } // namespace bris

@@ -17,7 +17,7 @@ struct StepChoices {
 /// pair writes only its own rows. Spheres are read from packed rows.
 System collide_spheres(LawName law, const StepChoices& choices);
 
-/// The same for spheres against facets. Contacts are reduced to one for each feature of a body;
+/// The same for spheres against facets. Contacts are reduced to one for each feature of a surface;
 /// faces take precedence over edges, and edges over vertices.
 System collide_facets(LawName law, const StepChoices& choices);
 

@@ -245,6 +245,96 @@ TEST_SUITE("scenarios/command_line") {
         }
     }
 
+    TEST_CASE("--explain refuses what the run refuses, in the same words") {
+        const TemporaryDirectory folder;
+        const auto written = [&](const char* name, const std::string& text) {
+            write_whole(folder / name, text);
+            return (folder / name).string();
+        };
+        const std::string garbage = written("garbage.csv", "no,table\nat all\n"),
+                          wheel = written("wheel.csv", "position_m,axle_load_kN\n0,221000\n"),
+                          fines =
+                              written("fines.csv", "sieve_mm,passing [%]\n63,100\n50,88\n40,55\n"
+                                                   "22.4,20\n9.5,13\n0.425,4\n0.075,2\n"),
+                          nothing = (folder / "nothing").string();
+        std::vector<Command> commands{
+            {"chain", {"--front", "0.8", "--rear", "0.7"}},
+            {"chain", {"--kind", "wave", "--beads", "20", "--mode", "30"}},
+            {"collide", {"--offset", "1.9", "--model-offset", "1"}},
+            {"crystal", {"--strain", "0.09"}},
+            {"impact", {"--restitution", "0.01", "--steps-per-contact", "1.01"}},
+            {"top", {"--inertia-1", "3", "--inertia-2", "2", "--inertia-3", "1"}},
+            {"settle", {"--duration", "1e-12"}},
+            {"silo", {"--window", "2,1"}},
+            {"silo", {"--bed", garbage}},
+            {"drum", {"--reference", garbage}},
+            {"impact_bed", {"--duration", "1e-12"}},
+            {"triaxial", {"--confining-pressure", "55e3,55e3"}},
+            {"triaxial", {"--material", garbage}},
+            {"triaxial", {"--material", nothing}},
+            {"twin", {"--confining-pressure", "55e3,110e3"}},
+            {"twin", {"--model-packing", "1"}},
+            {"specimen_library", {"--truths", garbage}},
+            {"specimen_library", {"--library", garbage}},
+            {"specimen_library", {"--lowest-friction", "0.9", "--highest-friction", "0.8"}},
+            {"live_triaxial", {"--stream", nothing}},
+            {"live_triaxial", {"--confining-pressure", "110e3"}},
+            {"live_triaxial", {"--recordings", nothing}},
+            {"smart_triaxial", {"--friction", "0.5"}},
+            {"smart_triaxial", {"--recordings", nothing}},
+            {"smart_triaxial", {"--library", garbage}},
+            {"smart_triaxial", {"--confining-pressure", "77e3"}},
+            {"direct_shear", {"--normal-stress", "50e3,50e3"}},
+            {"tie_push", {"--vci", "0,0"}},
+            {"ballast_box", {"--saturation", "0.5"}},
+            {"track_passage", {"--train", wheel}},
+            {"track_passage", {"--first-train", wheel}},
+            {"forecast", {"--next-train", wheel}},
+            {"forecast", {"--recordings", garbage}},
+            {"forecast", {"--ensemble", nothing}}};
+        for (const char* scenario :
+             {"triaxial", "twin", "specimen_library", "live_triaxial", "smart_triaxial",
+              "direct_shear", "tie_push", "ballast_box", "track_passage", "forecast"}) {
+            commands.push_back({scenario, {"--grading", garbage}});
+            commands.push_back({scenario, {"--clumps", nothing}});
+        }
+        for (const char* scenario : {"triaxial", "twin", "specimen_library", "direct_shear"})
+            commands.push_back({scenario, {"--grading", fines}});
+        commands.push_back({"tie_push", {"--grading", fines, "--smallest-rock", "0"}});
+        std::vector<Command> explained = commands;
+        for (Command& command : explained) command.flags.push_back("--explain");
+        const auto by_run = outcomes_of(commands), by_explain = outcomes_of(explained);
+        for (std::size_t k = 0; k < commands.size(); ++k) {
+            CAPTURE(by_run[k].code);
+            check_refusal(explained[k], by_explain[k], by_run[k].code, "");
+            CHECK((by_run[k].code == 2 || by_run[k].code == 4));
+            CHECK(by_explain[k].err == by_run[k].err);
+            CHECK_FALSE(by_run[k].wrote);
+        }
+    }
+
+    TEST_CASE(
+        "a grading and a train in another form are read by every scenario, with one line that "
+        "says how") {
+        const TemporaryDirectory folder;
+        const std::string grading = folder / "sieves.csv", train = folder / "axles.csv";
+        write_whole(grading, "Sieve (mm);Retained (%)\n50,8;0,0\n38,1;11,6\n25,4;43,2\n19;33,1\n"
+                             "9,5;12,1\n");
+        write_whole(train, "axle,spacing_m,load_t\n1,0,22.5\n2,1.8,22.5\n");
+        std::vector<Command> commands{{"track_passage", {"--train", train, "--explain"}}};
+        for (const char* scenario : {"triaxial", "twin", "specimen_library", "direct_shear"})
+            commands.push_back({scenario, {"--grading", grading, "--explain"}});
+        const auto outcomes = outcomes_of(commands);
+        for (std::size_t k = 0; k < commands.size(); ++k) {
+            CAPTURE(commands[k].scenario);
+            CAPTURE(outcomes[k].err);
+            CHECK(outcomes[k].code == 0);
+            CHECK(std::ranges::count(outcomes[k].err, '\n') == 1);
+            CHECK(outcomes[k].err.find(": read with ") != std::string::npos);
+            CHECK_FALSE(outcomes[k].out.empty());
+        }
+    }
+
     TEST_CASE("a checkpoint that is not there is no input to go on from") {
         const std::vector<std::string> flags{"--resume", "nosuch"};
         const auto names = scenarios();

@@ -10,9 +10,11 @@
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <fstream>
+#include <string>
 
 using namespace bris;
 
@@ -143,6 +145,50 @@ TEST_SUITE("ballast_box") {
         }
     }
 
+    TEST_CASE("a train in other units, with semicolons or by spacings is the same train, and says "
+              "how it was read") {
+        const TemporaryDirectory folder;
+        const auto read = [&](const std::string& text) {
+            std::ofstream(folder / "train.csv") << text;
+            return train_named((folder / "train.csv").string());
+        };
+        const Train plain = read("position_m,axle_load_kN\n0,221\n1.8,221\n6.45,221\n");
+        CHECK(plain.read_as.empty());
+        const double tonnes = 221 / 9.80665, feet = 1.8 / 0.3048, more = 4.65 / 0.3048;
+        for (const std::string& text :
+             {std::string("position_m;axle_load_kN\n0;221\n1,8;221\n6,45;221\n"),
+              std::string("axle,spacing_mm,axle load [N]\n1,0,221000\n2,1800,221000\n"
+                          "3,4650,221000\n"),
+              fmt::format("axle,spacing_m,load_t\n1,0,{0}\n2,1.8,{0}\n3,4.65,{0}\n", tonnes),
+              fmt::format("spacing (ft)\tload (kip)\n0\t{0}\n{1}\t{0}\n{2}\t{0}\n",
+                          221 / 4.4482216152605, feet, more)}) {
+            CAPTURE(text);
+            const Train train = read(text);
+            REQUIRE(train.axles.size() == 3);
+            for (std::size_t k = 0; k < 3; ++k) {
+                CHECK(std::abs(train.axles[k].behind - plain.axles[k].behind) < 1e-12);
+                CHECK(train.axles[k].load == about(plain.axles[k].load).epsilon(1e-12));
+            }
+            CHECK_FALSE(train.read_as.empty());
+        }
+        CHECK(read("spacing_m;load_t\n0;22,5\n1,8;22,5\n").read_as ==
+              "semicolons and decimal commas, 'spacing_m' as spacings of axles, 'load_t' as their "
+              "loads");
+        const auto refusal = [&](const std::string& text) {
+            const std::string message = message_of<InputError>([&] { (void)read(text); });
+            return message.substr(message.find("train.csv"));
+        };
+        CHECK(refusal("position_m,wheel_load_kN\n0,100\n") ==
+              "train.csv: expected a column 'axle_load_kN', found position_m, wheel_load_kN");
+        CHECK(refusal("position_m,axle_load [stone]\n0,100\n")
+                  .ends_with("in the title, as axle_load [kN], found 'stone'"));
+        CHECK(refusal("position,axle_load_kN\n0,100\n").ends_with("as position [m], found none"));
+        CHECK(refusal("position_m,spacing_m,axle_load_kN\n0,0,100\n") ==
+              "train.csv: expected a column of positions or one of spacings, found both");
+        CHECK(refusal("spacing_m,load_t\n0,22.5\n0,22.5\n") ==
+              "train.csv:3: expected a spacing_m above 0, found 0");
+    }
+
     TEST_CASE("a train that is impossible is refused with the line of its file") {
         const TemporaryDirectory folder;
         CHECK(train_named(file_with(folder, "0,100\n2.5,100\n")).length() == 2.5);
@@ -155,7 +201,10 @@ TEST_SUITE("ballast_box") {
         refused("0,100\n0,100\n",
                 "train.csv:3: expected a position_m greater than that of the axle before, found 0");
         refused("0,100\n2,-\n",
-                "train.csv:3: expected an axle_load_kN above 0 and at most 500, found nan");
+                "train.csv:3: expected a load above 0 and at most 500 in 'axle_load_kN', found -");
+        refused("0,221000\n1.8,221000\n",
+                "train.csv:2: expected a load above 0 and at most 500 in 'axle_load_kN', found "
+                "221000");
         CHECK_THROWS_WITH_AS(train_named("tram"),
                              doctest::Contains("freight, inspection, locomotive, passenger"),
                              InputError);
