@@ -114,7 +114,6 @@ FolderOfMovements given_movements(const Forecast& f, const Train& train,
         return {read_movements(f.recordings, names), {}};
     const RailOnTies rails = TrackSlice{f.design.box}.rails();
     FolderOfMovements given = movements_in(f.recordings, {train, f.speed, rails, dead_load}, names);
-    for (const JudgedRecording& r : given.recordings) print(sentence_of(r, names[r.sensor]));
     require(!given.movements.empty(),
             fmt::format("--recordings: expected at least one recording of the train '{}' at {:g} "
                         "m/s in '{}', found none of {}: no forecast",
@@ -163,6 +162,7 @@ void run_forecast(const Forecast& f, const Common& common) {
     const bool simulated = f.recordings.empty();
     FolderOfMovements given;
     if (!simulated) given = given_movements(f, before.back(), names);
+    for (const JudgedRecording& r : given.recordings) print(sentence_of(r, names[r.sensor]));
     take_over(common);
     ForecastResults results{
         .names = names,
@@ -208,7 +208,7 @@ void check_options(const Forecast& f, const Common& common) {
     say_how_read(grading_named(f.design.box.grading));
     say_how_read(train);
     say_how_read(train_named(f.next_train, "--next-train"));
-    if (!f.recordings.empty()) (void)given_movements(f, train, names, [](const std::string&) {});
+    if (!f.recordings.empty()) (void)given_movements(f, train, names);
     require(
         common.resume.empty() || std::filesystem::is_directory(common.resume),
         fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));

@@ -223,8 +223,7 @@ struct BrokerClient::Connection {
             const std::lock_guard lock(mutex);
             if (!is_connected) return;
         }
-        (void)publish_now(life->topic(), life->heartbeat(clock.at(this_instant())),
-                          Delivery::retained);
+        (void)publish_now(life->topic(), life->heartbeat(arrival_now()), Delivery::retained);
     }
     void say_farewell() {
         bool connected = false, ends = false;
@@ -238,7 +237,7 @@ struct BrokerClient::Connection {
         // the system would reset the connection, and the broker might never read the farewell: a
         // copy stays open until the broker has closed its side.
         if (life) {
-            const std::string last = life->heartbeat(clock.at(this_instant()), true);
+            const std::string last = life->heartbeat(arrival_now(), true);
             mosquitto_publish_v5(client, nullptr, life->topic().c_str(),
                                  static_cast<int>(last.size()), last.data(), 0, true, nullptr);
         }

@@ -1,8 +1,8 @@
 #include "engine/errors.hpp"
 #include "engine/io/broker_client.hpp"
 #include "engine/io/csv.hpp"
-#include "engine/io/json_numbers.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/printable.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include "engine/io/mqtt_packets.hpp"
 
-#include "engine/io/json_numbers.hpp"
+#include "engine/printable.hpp"
 
 #include <fmt/format.h>
 

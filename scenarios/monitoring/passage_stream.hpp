@@ -115,7 +115,7 @@ private:
     std::string name_of(double common) const;
 
     std::unique_ptr<Lines> lines_;
-    RecordParser parser_{"t",  "id", "seq", "flags", "end", "ax", "ay", "az", "gx",  "gy",
+    RecordParser parser_{"t",  "id", "seq", "flags", "end", "ax", "ay", "az", "gx",   "gy",
                          "gz", "mx", "my",  "mz",    "qw",  "qx", "qy", "qz", "temp", "batt"};
     Gate gate_;
     PassageStreamSettings settings_;

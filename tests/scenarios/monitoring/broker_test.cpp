@@ -167,7 +167,8 @@ TEST_SUITE("monitoring/broker") {
         for (int k = 0; k < 100 && end.empty(); ++k)
             end = message_of<OutputError>([&] { (void)lines.next(0.1); });
         CHECK(contains(end, "another client has taken the session over (client \"site\")"));
-        std::this_thread::sleep_for(std::chrono::milliseconds(1500)); // a new try would be after 1 s
+        std::this_thread::sleep_for(
+            std::chrono::milliseconds(1500)); // a new try would be after 1 s
         CHECK(second.connected());
         CHECK(second.counters().breaks == 0);
         CHECK_FALSE(first.connected());

@@ -19,14 +19,17 @@ public:
         if (messages_.empty()) return {};
         BrokerMessage first = std::move(messages_.front());
         messages_.pop_front();
+        now_ = first.time;
         return first;
     }
     bool over() const override { return messages_.empty(); }
+    double now() const override { return now_; }
     bool publish(const std::string&, const std::string&, Delivery) override { return true; }
     BrokerCounters counters() const override { return {}; }
 
 private:
     std::deque<BrokerMessage> messages_;
+    double now_ = no_arrival;
 };
 
 std::string json_of(const Sent& s) {
@@ -126,8 +129,7 @@ DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
     std::optional<GivenLink> link;
     if (way == Way::broker) {
         link.emplace(messages_of(samples));
-        lines = std::make_unique<BrokerLines>(*link, day.infos,
-                                              BrokerLines::Order::judged_by_gate);
+        lines = std::make_unique<BrokerLines>(*link, day.infos, BrokerLines::Order::judged_by_gate);
     } else {
         std::deque<Lines::Line> given;
         for (const Sent& s : samples)

@@ -57,12 +57,15 @@ public:
         if (lines_.empty()) return {};
         Line first = std::move(lines_.front());
         lines_.pop_front();
+        now_ = first.arrival;
         return first;
     }
     bool over() const override { return lines_.empty(); }
+    double now() const override { return now_; }
 
 private:
     std::deque<Line> lines_;
+    double now_ = no_arrival;
 };
 
 } // namespace bris::testing

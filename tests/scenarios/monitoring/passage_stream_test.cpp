@@ -118,9 +118,11 @@ TEST_SUITE("monitoring/passage_stream") {
             StreamRecord r(1, Instant{}, s.arrival);
             for (std::size_t k = 0; k < stream_fields.size(); ++k)
                 for (int i = 0; i < 3; ++i) {
-                    if (stream_fields[k] == std::array{"ax", "ay", "az"}[static_cast<std::size_t>(i)])
+                    if (stream_fields[k] ==
+                        std::array{"ax", "ay", "az"}[static_cast<std::size_t>(i)])
                         r.add(k, s.force[i]);
-                    if (stream_fields[k] == std::array{"gx", "gy", "gz"}[static_cast<std::size_t>(i)])
+                    if (stream_fields[k] ==
+                        std::array{"gx", "gy", "gz"}[static_cast<std::size_t>(i)])
                         r.add(k, s.rate[i]);
                 }
             one.add({1, 0, s.t, static_cast<std::int64_t>(s.seq), std::move(r)});
