@@ -154,8 +154,8 @@ struct BrokerClient::Connection {
             static_cast<Connection*>(self)->on_connect(code, (flags & 1) != 0, other_broker(more));
         });
         mosquitto_disconnect_v5_callback_set(
-            client, [](mosquitto*, void* self, int code, const mosquitto_property* more) {
-                static_cast<Connection*>(self)->on_disconnect(code, other_broker(more));
+            client, [](mosquitto*, void* self, int code, const mosquitto_property*) {
+                static_cast<Connection*>(self)->on_disconnect(code);
             });
         mosquitto_subscribe_v5_callback_set(client,
                                             [](mosquitto*, void* self, int, int count,
@@ -366,13 +366,13 @@ struct BrokerClient::Connection {
             say(described(refused + "; the run goes on without these topics"));
         came.notify_all();
     }
-    void on_disconnect(int code, const std::string& elsewhere) {
+    void on_disconnect(int code) {
         const std::lock_guard lock(mutex);
         if (!std::exchange(is_connected, false)) return; // there was none
         ++counters.breaks;
         tell("broken");
         problem = described("the connection is broken");
-        if (const std::string why = final_answer(code); !why.empty()) give_up(why + elsewhere);
+        if (const std::string why = final_answer(code); !why.empty()) give_up(why);
         was_broken = true;
         came.notify_all();
     }

@@ -148,8 +148,10 @@ void read_shares(std::size_t size, Draft& draft) {
     const TextTable& table = draft.table;
     const double metres = metres_per(table, size);
     const auto passing = table.find({"pass", "finer"}), retained = table.find({"retain"});
-    if (!passing && !retained)
-        (void)table.column("lower_percent", {"lower"}); // refused, with the titles that there are
+    if (!passing && !retained) { // refused, with the titles that there are
+        (void)table.column("lower_percent", {"lower", "min"});
+        (void)table.column("upper_percent", {"upper", "max"});
+    }
     const std::vector<std::size_t> rows = rows_of_sieves(size, draft);
     std::vector<double> by_retained, shares;
     if (passing) {

@@ -40,7 +40,8 @@ public:
         REQUIRE(pipe(begun) == 0);
         id_ = fork();
         if (id_ == 0) {
-            dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+            for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+                dup2(open("/dev/null", O_WRONLY), stream);
             const CatchInterrupts catching("test");
             (void)!write(begun[1], "b", 1);
             work();

@@ -254,8 +254,10 @@ TEST_SUITE("scenarios/command_line") {
         const std::string garbage = written("garbage.csv", "no,table\nat all\n"),
                           wheel = written("wheel.csv", "position_m,axle_load_kN\n0,221000\n"),
                           fines =
-                              written("fines.csv", "sieve_mm,passing [%]\n63,100\n50,88\n40,55\n"
-                                                   "22.4,20\n9.5,13\n0.425,4\n0.075,2\n"),
+                              written("fines.csv",
+                                      "sieve_mm,lower_percent,upper_percent\n63,100,100\n50,88,88\n"
+                                      "40,55,55\n22.4,20,20\n9.5,13,13\n0.425,4,4\n"
+                                      "0.075,2,2\n"),
                           nothing = (folder / "nothing").string();
         std::vector<Command> commands{
             {"chain", {"--front", "0.8", "--rear", "0.7"}},

@@ -233,6 +233,9 @@ TEST_SUITE("rocks/grading") {
               "found 50 after 40");
         CHECK(refusal_of("sieve_mm,mass\n40,100\n20,10\n") ==
               "grading.csv: expected a column 'lower_percent', found sieve_mm, mass");
+        CHECK(refusal_of("sieve_mm,lower_percent,ypper_percent\n40,100,100\n20,0,10\n") ==
+              "grading.csv: expected a column 'upper_percent', found sieve_mm, lower_percent, "
+              "ypper_percent");
     }
 
     TEST_CASE("rocks are counted as they are drawn") {
