@@ -207,11 +207,10 @@ void BrokerLines::publish_health() {
 
 std::string BrokerLines::health() const {
     const BrokerCounters b = link_.counters();
-    std::string text =
-        fmt::format("{{\"time\": {:.3f}, \"messages\": {}, \"machine_records\": {}, "
-                    "\"breaks\": {}, \"lost_sessions\": {}, \"dropped\": {}, \"sensors\": [",
-                    WallClock().at(this_instant()), messages_, machine_records_, b.breaks,
-                    b.lost_sessions, b.dropped);
+    std::string text = fmt::format(
+        "{{\"time\": {:.3f}, \"messages\": {}, \"machine_records\": {}, "
+        "\"breaks\": {}, \"lost_sessions\": {}, \"dropped\": {}, \"sensors\": [",
+        arrival_now(), messages_, machine_records_, b.breaks, b.lost_sessions, b.dropped);
     bool first = true;
     for (const auto& [id, s] : sensors_) {
         const auto& c = s.track.counters();
