@@ -199,7 +199,7 @@ TEST_SUITE("direct_shear") {
         };
         const auto grains = grained(1);
         grains->simulation.restore(made);
-        add_fines(grains->simulation, with_grains, grains->test, 1, true);
+        add_fines(grains->simulation, with_grains, grains->test, 2, true);
         grains->go("grains");
         CHECK_FALSE(grains->world().has_resource<Fouling>());
         CHECK(grains->world().resource<ShearState>().start_vci == about(20).epsilon(0.05));
@@ -215,11 +215,11 @@ TEST_SUITE("direct_shear") {
         CHECK(g.energy_error < 2e-3);
         const auto by_two = grained(2);
         by_two->simulation.restore(made);
-        add_fines(by_two->simulation, with_grains, by_two->test, 1, true);
+        add_fines(by_two->simulation, with_grains, by_two->test, 2, true);
         by_two->go();
         CHECK(by_two->fingerprint() == grains->fingerprint());
         const auto continued = grained(1);
-        add_fines(continued->simulation, with_grains, continued->test, 1, false);
+        add_fines(continued->simulation, with_grains, continued->test, 2, false);
         continued->run.resume(folder / "grains.ckpt.h5");
         continued->go();
         CHECK(continued->fingerprint() == grains->fingerprint());
