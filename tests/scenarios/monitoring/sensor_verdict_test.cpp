@@ -137,7 +137,7 @@ TEST_SUITE("monitoring/sensor_verdict") {
                  r.info.sampling_rate = 100;
                  for (double& t : r.time) t *= 2;
              }},
-            {"sampling rate",
+            {"sampling_rate",
              [](Recording& r) { // milliseconds taken for kiloseconds
                  r.sequence.clear();
                  for (double& t : r.time) t /= 1000;
