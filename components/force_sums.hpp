@@ -87,6 +87,7 @@ struct ForceGrid {
 /// step. They are left out of its motion.
 struct Overload {
     static constexpr auto name = "overload";
+    static constexpr bool is_state = true; // so that nobody leaves out the systems that find it
     EntityId body = nobody;
     double size = 0; ///< N, sum of the sizes of its contributions
     /// Of a boundary, `size` is that of one chunk of near rows, whose sums are added in 128 bits.

@@ -49,8 +49,12 @@ inline ExtremeScene extreme_scene(std::uint64_t number) {
                        .poisson_ratio = 0.3,
                        .rolling_friction = draw.uniform(),
                        .twisting_friction = draw.uniform()});
-    const double ball = log_uniform(1e-3, 10), ratio = log_uniform(1, 100),
-                 speed = draw.uniform() < 0.2 ? 0 : log_uniform(1e-3, 1e4);
+    const double ball = log_uniform(1e-3, 10), ratio = log_uniform(1, 100), grain = ball / ratio,
+                 density = materials.list[1].density,
+                 mass = 4 * density * grain * grain * grain, // of a grain
+        speed = draw.uniform() < 0.1
+                    ? 0 // else relative to that at which the ball would enter a grain
+                    : log_uniform(1e-3, 1e4) * grain * std::sqrt(stiffness / mass);
     scene.on_floor = draw.uniform() < 0.4;
     if (scene.on_floor && draw.uniform() < 0.5)
         add_facet_floor(world, -2 * ball, 20 * ball, 3, one_of(2));
@@ -66,7 +70,7 @@ inline ExtremeScene extreme_scene(std::uint64_t number) {
         const Vec3 centre(5 * ball * k, 0, 0.999 * ball);
         push(add_sphere(world, centre, ball, 0), speed * draw.direction());
         for (unsigned g = 0; g < grains; ++g) {
-            const double radius = ball / ratio * draw.uniform(0.5, 1), up = (g + 0.5) / grains,
+            const double radius = grain * draw.uniform(0.5, 1), up = (g + 0.5) / grains,
                          z = scene.on_floor ? up : 2 * up - 1, across = std::sqrt(1 - z * z),
                          turn = pi * (3 - std::sqrt(5.0)) * g;
             const Vec3 at = centre + (ball + radius * draw.uniform(0.9, 1.01)) *
@@ -78,11 +82,12 @@ inline ExtremeScene extreme_scene(std::uint64_t number) {
             push(id, speed * draw.uniform() * draw.direction());
         }
     }
-    scene.settings = {.dt = log_uniform(1e-10, 1e-4),
+    scene.settings = {.dt = log_uniform(1e-6, 0.1) *
+                            (speed > 0 ? grain / speed : std::sqrt(mass / stiffness)),
                       .law = static_cast<LawName>(one_of(9)),
                       .threads = 1 + one_of(2),
                       .energy_budget = draw.uniform() < 0.2,
-                      .unlimited = draw.uniform() < 0.5};
+                      .unlimited = draw.uniform() < 0.8};
     scene.steps = 1 + one_of(4);
     return scene;
 }

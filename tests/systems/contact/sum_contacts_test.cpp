@@ -309,7 +309,7 @@ TEST_SUITE("contact/sum_contacts") {
         for (const double stiffness : {1e2, 1e3, 1e4})
             for (const double speed :
                  {0.5, 2.0, 5.0, 10.0, 18.0, 20.0, 22.0, 25.0, 30.0, 50.0, 100.0, 200.0, 400.0})
-                for (const unsigned grains : {60u, 100u, 110u, 120u, 200u}) {
+                for (const unsigned grains : {60u, 100u, 110u, 120u, 140u}) {
                     CAPTURE(stiffness);
                     CAPTURE(speed);
                     CAPTURE(grains);
@@ -326,9 +326,11 @@ TEST_SUITE("contact/sum_contacts") {
                     ++stopped;
                     CAPTURE(text);
                     CHECK(has(text, "step 1, time 1e-07 s: contact"));
-                    if (speed > 10)
-                        CHECK(has(text, "their dashpots are too strong") ||
-                              has(text, "its dashpot is too strong")));
+                    if (stiffness == 1e2 && speed > 10) {
+                        const bool by_dashpots = has(text, "their dashpots are too strong") ||
+                                                 has(text, "its dashpot is too strong");
+                        CHECK(by_dashpots);
+                    }
                     if (!has(text, "contact of bodies 0 and")) {
                         CHECK(has(text, "contact forces on body 0: expected magnitudes that add to "
                                         "at most "));
