@@ -70,8 +70,10 @@ using Delivery = BrokerLink::Delivery;
 constexpr auto glance = std::chrono::milliseconds(20); // interval between checks for a stop
 constexpr int loop_ms = 100;                           // in which the library looks for a stop
 constexpr double shortest_wait = 1, longest_wait = 8;  // s, before connecting again
-constexpr double farewell = 2; // s that the thread of a connection has for its end
-constexpr int keep_alive = 20; // s
+constexpr double farewell = 2;           // s that the thread of a connection has for its end
+constexpr int keep_alive = 20;           // s
+constexpr std::size_t thrown_out = 4;    // breaks of a named session within so many seconds that
+constexpr double thrown_out_within = 15; // say that another client has it
 
 } // namespace
 
@@ -100,6 +102,7 @@ struct BrokerClient::Connection {
     bool was_broken = false;          // until the thread has noted it
     bool is_final = false;            // the problem will not go away: the thread ends
     bool is_late = false;             // what waited for the connection is being sent
+    std::deque<Instant> breaks;       // the last ones, of a session that has a name
     std::string problem, tls_problem; // of the connection; of the library's log
 
     Connection(const BrokerSettings& s, std::pair<std::string, int> to, const std::string& program,
@@ -366,13 +369,26 @@ struct BrokerClient::Connection {
             say(described(refused + "; the run goes on without these topics"));
         came.notify_all();
     }
+    /// Brokers such as mosquitto 2.0.11 do not say that another client has taken the session over.
+    /// Two clients that throw each other out show it: each is back after a second, and loses the
+    /// connection a second later. The first one has one break more, so the second one goes on.
+    bool is_thrown_out() {                          // the mutex is held
+        if (settings.session.empty()) return false; // nobody else has the name
+        breaks.push_back(this_instant());
+        if (breaks.size() > thrown_out) breaks.pop_front();
+        return breaks.size() == thrown_out && seconds_since(breaks.front()) < thrown_out_within;
+    }
     void on_disconnect(int code) {
         const std::lock_guard lock(mutex);
         if (!std::exchange(is_connected, false)) return; // there was none
         ++counters.breaks;
         tell("broken");
         problem = described("the connection is broken");
-        if (const std::string why = final_answer(code); !why.empty()) give_up(why);
+        if (const std::string why = final_answer(code); !why.empty())
+            give_up(why);
+        else if (is_thrown_out())
+            give_up("the broker closed the connection again and again, as when another client has "
+                    "taken the session over");
         was_broken = true;
         came.notify_all();
     }

@@ -71,7 +71,7 @@ private:
     std::deque<Line> ready_;
     std::uint64_t lines_ = 0, messages_ = 0, machine_records_ = 0;
     std::map<std::string, std::pair<std::uint64_t, std::string>> notes_;
-    Instant published_ = this_instant();
+    Instant published_ = {}; // of health: at once, and then every second
 };
 
 } // namespace bris

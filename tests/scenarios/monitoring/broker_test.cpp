@@ -164,13 +164,13 @@ TEST_SUITE("monitoring/broker") {
         BrokerLines lines(first, two_sensors());
         BrokerClient second(settings, "second", BrokerLines::topics());
         std::string end;
-        for (int k = 0; k < 100 && end.empty(); ++k)
+        for (int k = 0; k < 300 && end.empty(); ++k)
             end = message_of<OutputError>([&] { (void)lines.next(0.1); });
         CHECK(contains(end, "another client has taken the session over (client \"site\")"));
         std::this_thread::sleep_for(
             std::chrono::milliseconds(1500)); // a new try would be after 1 s
         CHECK(second.connected());
-        CHECK(second.counters().breaks == 0);
+        CHECK(second.counters().breaks <= 3); // 0 where the broker says why it closes
         CHECK_FALSE(first.connected());
         BrokerClient rocks(broker.settings("rocks"), "rocks", {});
         publish(rocks, "smartrock/1/imu", bytes_of(payload(0, 1, 1)));
