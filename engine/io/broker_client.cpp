@@ -49,10 +49,6 @@ BrokerClient::~BrokerClient() = default;
 std::optional<BrokerMessage> BrokerClient::next(double) { return {}; }
 bool BrokerClient::publish(const std::string&, const std::string&, Delivery) { return false; }
 void BrokerClient::flush(double) {}
-SignsOfLife* BrokerClient::signs_of_life() {
-    return connection_->life ? &*connection_->life : nullptr;
-}
-
 void BrokerClient::end_session() {}
 bool BrokerClient::connected() const { return false; }
 std::string BrokerClient::problem() const { return {}; }
@@ -472,10 +468,11 @@ BrokerClient::BrokerClient(const BrokerSettings& settings, const std::string& na
     std::thread([connection = connection_] { connection->run(); }).detach();
     const Instant began = this_instant();
     std::unique_lock lock(c.mutex);
-    while (!c.is_connected && !c.has_failed && seconds_since(began) < settings.timeout &&
+    // was: a connection that is broken at once is told by `next`, and made again where that helps
+    while (!c.was_connected && !c.has_failed && seconds_since(began) < settings.timeout &&
            !interrupted())
         c.came.wait_for(lock, glance);
-    if (c.is_connected) return;
+    if (c.was_connected) return;
     const bool silent = !c.has_failed;
     if (silent)
         c.problem = c.described(
