@@ -13,6 +13,7 @@ struct Census {
     static constexpr auto name = "census";
     double largest_radius = 0;       ///< m, bounding radius of a body with spheres
     double smallest_free_radius = 0; ///< m, infinite where no body is free
+    double largest_grain_mass = 0;   ///< kg, of a free body with spheres
     std::vector<Row> boundaries;     ///< rows of the bodies without spheres
     /// Bodies with spheres and boundaries, by material.
     std::vector<std::uint32_t> grains, hosts;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -48,14 +49,19 @@ inline Lane sqrt(Lane a) {
     return a;
 #endif
 }
-/// Nearest integers; halves are rounded to even. Numbers beyond 2^63 and NaN give no valid result.
+/// Nearest integers; halves are rounded to even. Numbers beyond 2^62 and NaN give no valid result.
 inline LaneMask nearest_integers(Lane a) {
 #ifdef __AVX512DQ__
     return reinterpret_cast<LaneMask>(_mm512_maskz_cvtpd_epi64(0xff, a));
 #else
-    LaneMask n{};
-    for (int k = 0; k < lane_count; ++k) n[k] = std::llrint(a[k]);
-    return n;
+    // A number near 1.5 * 2^52 has its integer part in its low bits: first that of the multiples of
+    // 2^32, then that of the remainder, which is exact.
+    constexpr double shift = 0x1.8p52;
+    constexpr auto shift_bits = std::bit_cast<std::uint64_t>(shift);
+    const Lane high = a * 0x1p-32 + shift, low = a - (high - shift) * 0x1p32 + shift;
+    return reinterpret_cast<LaneMask>((reinterpret_cast<BitsOfLane>(high) << 32) +
+                                      reinterpret_cast<BitsOfLane>(low) - (shift_bits << 32) -
+                                      shift_bits);
 #endif
 }
 inline Lane magnitude(Lane a) {

@@ -55,36 +55,51 @@ using WatchedBodies =
 void watch_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock,
                   const Census& census, Alarm& alarm);
 
-/// Records in Health the first body that watch_motion has found; the simulation then stops with
-/// step, time and a checkpoint. Watches the boundaries once more, because servos have moved them.
+/// Records in Health the overloaded body, or the first one that watch_motion has found; the
+/// simulation then stops with step, time and a checkpoint. Watches the boundaries once more,
+/// because servos have moved them.
 void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock,
-                  const Census& census, Alarm& alarm, Health& health);
+                  const Census& census, const ForceGrid& grid, Overload& overload, Alarm& alarm,
+                  Health& health);
 
 /// The message on two bodies that overlap too deeply or whose contact force cannot be added: mean
-/// `radius` in m, `limit` of the overlap as a fraction of the radius, `largest_force` in N.
+/// `radius` in m, `limit` of the overlap as a fraction of the radius, `arm` in m from the contact
+/// to the centre of a boundary (0 for two spheres).
 std::string contact_message(const PairNames& who, const ForceRow& contact, double radius,
-                            double limit, double largest_force);
+                            double limit, double arm, const ForceGrid& grid);
 
-/// Reports contacts beyond the limits of overlap or force that the contact kernels found. One
-/// system per kind of pair.
+/// Reports contacts beyond the limits of overlap or force that the contact kernels found, and
+/// counts those of an overloaded body. One system per kind of pair.
 template <class Pairs>
-void guard_contacts(Rows<typename Pairs::Near, const NearPair, const PairForce> near,
+void guard_contacts(Rows<Bodies, const Position> bodies,
+                    Rows<typename Pairs::Near, const NearPair, const PairForce> near,
                     Rows<Pairs, const PairKey, const PairRows> pairs,
                     Rows<Spheres, const LocalBall> spheres, const NearIndex<Pairs>& index,
-                    const Limits& limits, const ForceGrid& grid, Health& health) {
+                    const Limits& limits, const ForceGrid& grid, Overload& overload,
+                    Health& health) {
     const Ball* ball = spheres.template column<LocalBall>();
+    const PairNames* names = pairs.template column<PairKey>();
+    const NearEntry* entry = near.template column<NearPair>();
+    if (overload.body != nobody)
+        index.for_touching([&](Row k) {
+            const PairNames& who = names[entry[k].pair];
+            if (who.owner == overload.body || who.partner == overload.body) ++overload.contacts;
+        });
     for (const Row row : index.beyond_limit) {
         if (row == no_row || health.bad) continue;
-        const Row pair = near.template column<NearPair>()[row].pair;
-        const PairNames& who = pairs.template column<PairKey>()[pair];
+        const Row pair = entry[row].pair;
+        const PairNames& who = names[pair];
         const PairRowNumbers& rows = pairs.template column<PairRows>()[pair];
-        double radius = ball[rows.sphere].radius; // of the sphere alone at a boundary
+        const ForceRow& force = near.template column<PairForce>()[row];
+        double radius = ball[rows.sphere].radius, arm = 0; // of the sphere alone at a boundary
         if constexpr (std::is_same_v<Pairs, SpherePairs>)
             radius = 0.5 * (radius + ball[rows.other].radius);
+        else
+            arm = (Vec3(force.px, force.py, force.pz) -
+                   bodies.template column<Position>()[rows.partner_body])
+                      .norm();
         health.bad = true;
-        health.what =
-            contact_message(who, near.template column<PairForce>()[row], radius,
-                            limits.overlap_of_contacts(), ForceGrid::largest * grid.force);
+        health.what = contact_message(who, force, radius, limits.overlap_of_contacts(), arm, grid);
     }
 }
 

@@ -134,10 +134,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         combined(parts_of_move_spheres, row_local("move_spheres", move_spheres)),
         combined(parts_of_move_spheres_of_slab,
                  system("move_spheres_of_slab", move_spheres_of_slab)),
-        // inertial recorders
-        when(is_recording, system("share_motion", share_motion)),
-        when(is_recording, system("record_motion", record_motion)),
         // boundaries
+        system("sum_membrane", sum_membrane),
         system("share_membrane_forces", share_membrane_forces),
         system("push_membrane", push_membrane),
         system("accumulate_membrane_work", accumulate_membrane_work),
@@ -153,6 +151,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         // assimilation of sensor recordings
         when(fusion_is_due, system("fuse_spheres", fuse_spheres)),
         when(fusion_is_due, system("fuse_clumps", fuse_clumps)),
+        system("forget_sums_of_ghosts", forget_sums_of_ghosts),
+        system("guard_sums", guard_sums),
         system("guard_spheres", guard_contacts<SpherePairs>),
         system("guard_facets", guard_contacts<FacetPairs>),
         system("guard_planes", guard_contacts<PlanePairs>),
@@ -163,6 +163,9 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         // where the world is one rank's part of a whole
         system("review_lists", review_lists),
         system("agree_on_lists", agree_on_lists),
+        // inertial recorders, which take no sample of a step that has failed
+        when(is_recording, system("share_motion", share_motion)),
+        when(is_recording, system("record_motion", record_motion)),
         system("complete_motion_for_ranks", complete_motion_for_ranks),
         system("review_candidates", review_candidates),
         system("exchange_bodies", exchange_bodies),

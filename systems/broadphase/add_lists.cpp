@@ -71,6 +71,7 @@ void add_lists(World& world, LawName law, ListSettings settings) {
         world.table<NearMembrane>().add<FootOf>();
         world.add_resource<MembraneBands>();
         world.add_resource<ElementSums>();
+        world.add_resource<MembraneSums>();
     }
     if (world.resource<Materials>().policy.patch == PatchStiffness::shared) {
         world.table<NearSpheres>().add<PatchShare>();
@@ -81,6 +82,7 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     world.add_resource<ListState>();
     world.add_resource<ForceGrid>();
     world.add_resource<BoundarySums>();
+    world.add_resource<Overload>();
     world.add_resource<Census>();
     world.add_resource<Observation>();
     world.add_resource<MotionColumns>();

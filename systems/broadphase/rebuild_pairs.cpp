@@ -49,6 +49,7 @@ void take_census(World& world) {
     const auto radius = bodies.column<BoundingRadius>();
     const auto material = bodies.column<MaterialOf>();
     const auto motion = bodies.column<MotionOf>();
+    const auto mass = bodies.column<Mass>();
     const auto spheres = bodies.column<SpheresOf>();
     const Ghosts ghosts(bodies); // count on their own ranks
     const std::size_t materials = world.resource<Materials>().list.size();
@@ -61,7 +62,9 @@ void take_census(World& world) {
         if (!ghosts[b]) ++(grain ? census.grains : census.hosts)[material[b]];
         if (!grain) census.boundaries.push_back(b);
         if (grain) census.largest_radius = std::max(census.largest_radius, radius[b]);
-        if (motion[b] == static_cast<std::uint32_t>(Motion::free) && radius[b] > 0)
+        if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
+        if (grain) census.largest_grain_mass = std::max(census.largest_grain_mass, mass[b]);
+        if (radius[b] > 0)
             census.smallest_free_radius = std::min(census.smallest_free_radius, radius[b]);
     }
     world.resource<Census>() = std::move(census);

@@ -4,14 +4,13 @@
 #include "components/census.hpp"
 #include "components/force_sums.hpp"
 #include "components/kinds.hpp"
+#include "engine/health.hpp"
 #include "engine/lane_math.hpp"
 #include "engine/quad_math.hpp"
 #include "engine/rows.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace bris::detail {
 
@@ -28,7 +27,7 @@ void take_list(Row first, const SumRows& sums, Take&& take) {
     }
 }
 
-/// Sums beyond 2^63, of forces that will stop the run, wrap.
+/// Sums beyond 2^63 wrap; ForceGrid::holds tells.
 inline void add(SumRow& sum, const SumRow& more) {
     const auto wrapped = [](std::int64_t a, std::int64_t b) {
         return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) +
@@ -40,17 +39,15 @@ inline void add(SumRow& sum, const SumRow& more) {
     sum.tx = wrapped(sum.tx, more.tx);
     sum.ty = wrapped(sum.ty, more.ty);
     sum.tz = wrapped(sum.tz, more.tz);
+    sum.size = wrapped(sum.size, more.size);
 }
 
-/// Three sums in N or N m; NaN where a sum is beyond the grid.
-inline Quad scaled_or_nan(double unit, const std::int64_t* sums) {
+/// Three sums in N or N m.
+inline Quad converted(double unit, const std::int64_t* sums) {
     using Integers [[gnu::vector_size(sizeof(Quad))]] = std::int64_t;
     Integers integers;
     std::memcpy(&integers, sums, sizeof integers);
-    const Quad sum = __builtin_convertvector(integers, Quad);
-    const bool fits =
-        std::abs(sum[0]) + std::abs(sum[1]) + std::abs(sum[2]) <= ForceGrid::largest_sum;
-    return (fits ? unit : std::numeric_limits<double>::quiet_NaN()) * sum;
+    return unit * __builtin_convertvector(integers, Quad);
 }
 
 /// Force (N) and torque about the centre of mass (N m).
@@ -59,17 +56,15 @@ struct NetForce {
 };
 struct NetForceLanes {
     Vec3Lanes force, torque;
+    LaneMask held; ///< lanes whose sums have not wrapped; the forces of the others are zero
 };
-/// As scaled_or_nan, from columns of integers.
-inline Vec3Lanes scaled_or_nan(double unit, const FourLanes& sums) {
+/// The same from columns of integers, and zero where `held` is not set.
+inline Vec3Lanes converted(double unit, const FourLanes& sums, const LaneMask& held) {
+    const Lane factor = held ? lanes(unit) : Lane{};
     const auto number = [&](std::size_t k) {
         return __builtin_convertvector(reinterpret_cast<LaneMask>(sums[k]), Lane);
     };
-    const Vec3Lanes sum{number(0), number(1), number(2)};
-    const LaneMask fits =
-        magnitude(sum.x) + magnitude(sum.y) + magnitude(sum.z) <= ForceGrid::largest_sum;
-    const Lane factor = fits ? lanes(unit) : lanes(std::numeric_limits<double>::quiet_NaN());
-    return factor * sum;
+    return factor * Vec3Lanes{number(0), number(1), number(2)};
 }
 
 /// Converts the sums of contact forces of one body after another from integers.
@@ -84,14 +79,22 @@ public:
     /// Sums by row of the body.
     const SumRow* rows() const { return sum_; }
 
-    /// Converts the sums of body `b`, and clears them for the next step.
-    NetForce take(Row b) const {
-        const NetForce net = spheres_[b].count == 0 ? of_boundary(b) : of_grain(b);
-        sum_[b] = {};
+    /// Converts the sums of body `b`, and clears them for the next step. Returns zero, and leaves
+    /// the sums for the guard, if they may have wrapped.
+    NetForce take(Row b, Alarm& alarm) const {
+        if (spheres_[b].count == 0) return of_boundary(b);
+        add_list(b);
+        SumRow& sum = sum_[b];
+        if (!ForceGrid::holds(sum)) {
+            alarm.raise();
+            return {Quad{}, Quad{}};
+        }
+        const NetForce net{converted(grid_.force, &sum.fx), converted(grid_.torque, &sum.tx)};
+        sum = {};
         return net;
     }
 
-    /// The same of lane_count bodies with spheres, from row `first` on.
+    /// The same of lane_count bodies with spheres, from row `first` on; raises no alarm.
     NetForceLanes take_grains(Row first) const {
         for (Row b = first; b < first + lane_count; ++b) add_list(b);
         const auto rows_of = [&](const std::int64_t SumRow::*member) {
@@ -100,9 +103,17 @@ public:
                     &(sum_[first + static_cast<Row>(q)].*member));
             }));
         };
-        const NetForceLanes net{scaled_or_nan(grid_.force, rows_of(&SumRow::fx)),
-                                scaled_or_nan(grid_.torque, rows_of(&SumRow::tx))};
-        std::fill_n(sum_ + first, lane_count, SumRow{});
+        const FourLanes torques = rows_of(&SumRow::tx);
+        const LaneMask held = (reinterpret_cast<LaneMask>(torques[3]) & SumRow::size_bits) <=
+                              ForceGrid::largest_sum_of_sizes;
+        const NetForceLanes net{converted(grid_.force, rows_of(&SumRow::fx), held),
+                                converted(grid_.torque, torques, held), held};
+        const unsigned cleared = bits(held);
+        if (cleared == all_lanes)
+            std::fill_n(sum_ + first, lane_count, SumRow{});
+        else
+            for (Row q = 0; q < lane_count; ++q)
+                if ((cleared >> q) & 1) sum_[first + q] = {};
         return net;
     }
 
@@ -110,10 +121,6 @@ private:
     void add_list(Row b) const {
         if (list_[b] != no_row)
             take_list(list_[b], sums_, [&](const SumRow& r) { add(sum_[b], r); });
-    }
-    NetForce of_grain(Row b) const {
-        add_list(b);
-        return {scaled_or_nan(grid_.force, &sum_[b].fx), scaled_or_nan(grid_.torque, &sum_[b].tx)};
     }
     NetForce of_boundary(Row b) const {
         const auto at_row = std::ranges::lower_bound(census_.boundaries, b);

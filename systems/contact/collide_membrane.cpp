@@ -83,16 +83,21 @@ struct ElementReader {
     ElementRow* elements; // of the chunk
     double per_force;
 
-    void operator()(const Row* rows, int count, const ForceLanes& force) const {
+    void operator()(const Row* rows, int count, const ForceLanes& force, unsigned left_out) const {
         const auto integer = [](double x) { return std::llrint(x); };
+        const auto add = [](std::int64_t& sum, std::int64_t more) { // may wrap (sum_membrane)
+            sum = static_cast<std::int64_t>(static_cast<std::uint64_t>(sum) +
+                                            static_cast<std::uint64_t>(more));
+        };
         for (int q = 0; q < count; ++q) {
+            if ((left_out >> q) & 1) continue;
             const Row row = rows[q];
             const Foot& foot = band->foot[row];
             const Vec3& outward = band->surface.outward[near[row].other];
             const double radial = -(force.x[q] * outward.x() + force.y[q] * outward.y());
             ElementRow &lower = elements[foot.lower], &upper = elements[foot.upper];
-            lower.push += integer(per_force * ((1 - foot.share) * radial));
-            upper.push += integer(per_force * (foot.share * radial));
+            add(lower.push, integer(per_force * ((1 - foot.share) * radial)));
+            add(upper.push, integer(per_force * (foot.share * radial)));
             lower.hold += integer((1 - foot.share) / ElementSums::hold_unit);
             upper.hold += integer(foot.share / ElementSums::hold_unit);
         }

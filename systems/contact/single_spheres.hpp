@@ -11,48 +11,23 @@ template <bool has_couple>
 struct RadialArms {
     const ContactLanes& contact;
     const FourLanes &own, &partner; ///< rows of positions and radii, in m
-    Lane reach;                     ///< m, sum of the radii
     Lane share;                     ///< distance over the sum of the radii
 
     Vec3Lanes contact_point() const {
         const FourLanes b = transpose(partner);
         return Vec3Lanes{b[0], b[1], b[2]} + (b[3] * share) * normal();
     }
-
-    /// As Levers::add.
-    [[gnu::always_inline]] unsigned add(const SumTarget& to, const Row* rows,
-                                        const std::size_t* bodies, int count,
-                                        const ForceLanes& f) const {
+    [[gnu::always_inline]] UnitLanes units(const SumTarget& to, const ForceLanes& f) const {
         const Vec3Lanes force{f.x, f.y, f.z},
-            units = to.per_force * force,
             per_radius = (to.per_torque * share) * cross(force, normal());
-        const FourLanes forces =
-            transpose({integers(units.x), integers(units.y), integers(units.z), Lane{}});
-        const FourLanes torque = transpose({per_radius.x, per_radius.y, per_radius.z, Lane{}});
-        FourLanes of_own, of_partner;
-        for (std::size_t q = 0; q < 4; ++q) {
-            of_own[q] = fourth_of_each_row(own[q]) * torque[q];
-            of_partner[q] = fourth_of_each_row(partner[q]) * -torque[q];
-        }
-        Lane size = size_of(units) + reach * size_of(per_radius);
+        Vec3Lanes of_own = transpose(own)[3] * per_radius,
+                  of_partner = -transpose(partner)[3] * per_radius;
         if constexpr (has_couple) {
             const Vec3Lanes couple = to.per_torque * Vec3Lanes{f.torque_x, f.torque_y, f.torque_z};
-            const FourLanes more = transpose({couple.x, couple.y, couple.z, Lane{}});
-            for (std::size_t q = 0; q < 4; ++q) {
-                of_own[q] += more[q];
-                of_partner[q] += more[q];
-            }
-            size += 2.0 * size_of(couple);
+            of_own = of_own + couple;
+            of_partner = of_partner + couple;
         }
-        for (std::size_t q = 0; q < 4; ++q) {
-            of_own[q] = integers(of_own[q]);
-            of_partner[q] = integers(of_partner[q]);
-        }
-        add_integer_rows<false>(forces, of_own, count,
-                                [&](int q) { return &to.sum[bodies[q]].fx; });
-        add_integer_rows<true>(forces, of_partner, count,
-                               [&](int q) { return &to.of_partner(rows[q]).fx; });
-        return beyond_grid(size);
+        return {to.per_force * force, of_own, of_partner};
     }
 
 private:
@@ -149,7 +124,7 @@ struct SingleSpheres : SphereSurfaces {
             c.twist = dot(surface, normal) * inverse;
         }
         return apply_law<Law>(to, rows, own.data(), count, c,
-                              RadialArms<Law::has_rolling>{c, a, b, reach, share},
+                              RadialArms<Law::has_rolling>{c, a, b, share},
                               c.overlap > (0.5 * deepest) * reach);
     }
 };

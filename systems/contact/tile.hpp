@@ -180,39 +180,64 @@ private:
     return {transpose(load_rows([&](int q) { return to.own[to.near[rows[q]].law].value; }))};
 }
 
-/// Bits of the lanes whose force or torque is beyond the grid or not a number. `size`: sums of the
-/// magnitudes of the integers.
-[[gnu::always_inline]] inline unsigned beyond_grid(const Lane& size) {
-    return ~bits(size <= ForceGrid::largest) & all_lanes;
-}
 inline Lane size_of(const Vec3Lanes& v) { return magnitude(v.x) + magnitude(v.y) + magnitude(v.z); }
-inline Lane integers(Lane a) { return reinterpret_cast<Lane>(nearest_integers(a)); }
+
+/// What contacts add to the sums of their bodies, in units of the grid: to the owner force and
+/// torque, to the partner the opposite force and torque.
+class UnitLanes {
+public:
+    [[gnu::always_inline]] UnitLanes(const Vec3Lanes& force, const Vec3Lanes& own_torque,
+                                     const Vec3Lanes& partner_torque)
+        : force_(force), own_(own_torque), partner_(partner_torque),
+          size_(size_of(force) + (size_of(own_torque) + size_of(partner_torque))) {}
+
+    /// Bits of the lanes that the grid cannot hold or that are not numbers.
+    [[gnu::always_inline]] unsigned beyond() const {
+        return ~bits(size_ <= ForceGrid::largest) & all_lanes;
+    }
+    /// They move nobody in the step in which they stop the run.
+    void drop_beyond() {
+        const LaneMask held = size_ <= ForceGrid::largest;
+        const Vec3Lanes none{};
+        force_ = select(held, force_, none);
+        own_ = select(held, own_, none);
+        partner_ = select(held, partner_, none);
+        size_ = held ? size_ : Lane{};
+    }
+    /// Adds the first `count` lanes. `rows`: near rows; `bodies`: rows of the owners.
+    [[gnu::always_inline]] void add(const SumTarget& to, const Row* rows, const std::size_t* bodies,
+                                    int count) const {
+        const auto integers = [](const Vec3Lanes& v, const Lane& fourth) {
+            const auto of = [](const Lane& a) {
+                return reinterpret_cast<Lane>(nearest_integers(a));
+            };
+            return transpose({of(v.x), of(v.y), of(v.z), fourth});
+        };
+        // the low bits of a number from 2^52 to 2^53 are an integer, and so are those of sums
+        const Lane size = size_ * (1 / SumRow::size_unit) + 0x1p52;
+        const auto minus_size =
+            reinterpret_cast<Lane>(BitsOfLane{} - reinterpret_cast<BitsOfLane>(size));
+        const FourLanes forces = integers(force_, Lane{});
+        add_integer_rows<false>(forces, integers(own_, size), count,
+                                [&](int q) { return &to.sum[bodies[q]].fx; });
+        add_integer_rows<true>(forces, integers(partner_, minus_size), count,
+                               [&](int q) { return &to.of_partner(rows[q]).fx; });
+    }
+
+private:
+    Vec3Lanes force_, own_, partner_;
+    Lane size_; ///< sums of the magnitudes
+};
 
 /// Contact points, and the lever arms to them from the centres of mass of both bodies (m).
 struct Levers {
     Vec3Lanes point, own, partner;
 
     const Vec3Lanes& contact_point() const { return point; }
-
-    /// Adds the forces and torques of `count` contacts to both bodies. `rows`: near rows; `bodies`:
-    /// rows of the owners. Returns the bits of the lanes whose force is beyond the grid or is not a
-    /// number.
-    [[gnu::always_inline]] unsigned add(const SumTarget& to, const Row* rows,
-                                        const std::size_t* bodies, int count,
-                                        const ForceLanes& f) const {
+    [[gnu::always_inline]] UnitLanes units(const SumTarget& to, const ForceLanes& f) const {
         const Vec3Lanes force{f.x, f.y, f.z}, couple{f.torque_x, f.torque_y, f.torque_z};
-        const Vec3Lanes units = to.per_force * force,
-                        own_torque = to.per_torque * (cross(own, force) + couple),
-                        partner_torque = to.per_partner_torque * (cross(partner, force) + couple);
-        const auto rows_of = [](const Vec3Lanes& v) {
-            return transpose({integers(v.x), integers(v.y), integers(v.z), Lane{}});
-        };
-        const FourLanes forces = rows_of(units);
-        add_integer_rows<false>(forces, rows_of(own_torque), count,
-                                [&](int q) { return &to.sum[bodies[q]].fx; });
-        add_integer_rows<true>(forces, rows_of(partner_torque), count,
-                               [&](int q) { return &to.of_partner(rows[q]).fx; });
-        return beyond_grid(size_of(units) + size_of(own_torque) + size_of(partner_torque));
+        return {to.per_force * force, to.per_torque * (cross(own, force) + couple),
+                to.per_partner_torque * (cross(partner, force) + couple)};
     }
 };
 
@@ -225,9 +250,10 @@ inline void record(const TileTarget& to, const Row* rows, int count, const Force
                [&](int q) { return &to.force[rows[q]].px; });
 }
 
-inline void add_work(const WorkTarget& to, const std::size_t* own, int count,
-                     const WorkLanes& work) {
+inline void add_work(const WorkTarget& to, const std::size_t* own, int count, const WorkLanes& work,
+                     unsigned left_out) {
     for (int q = 0; q < count; ++q) {
+        if ((left_out >> q) & 1) continue;
         to.friction[own[q]] += work.friction[q];
         to.viscous[own[q]] += work.viscous[q];
         to.rolling[own[q]] += work.rolling[q];
@@ -236,14 +262,15 @@ inline void add_work(const WorkTarget& to, const std::size_t* own, int count,
 
 /// Does nothing with the forces of a tile.
 struct NoReader {
-    void operator()(const Row*, int, const ForceLanes&) const {}
+    void operator()(const Row*, int, const ForceLanes&, unsigned) const {}
 };
 
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid
 /// rows), advances their springs and adds their forces to both bodies by `arms` (Levers). `own`:
 /// rows of the owners. `too_deep`: bits of the contacts beyond the limit of overlap. `reader` is
-/// then called with the near rows, their number and their forces. Returns the bits of the contacts
-/// beyond the limit and of those whose force is beyond the grid.
+/// then called with the near rows, their number, their forces, and the bits of those whose force is
+/// beyond the grid and was not added. Returns these bits and those of the contacts beyond the
+/// limit.
 template <class Law, class Arms, class Reader = NoReader>
 [[gnu::always_inline]] inline unsigned
 apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int count, ContactLanes& c,
@@ -284,10 +311,15 @@ apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int cou
     if constexpr (Law::has_rolling)
         store_rows(transpose({roll.x, roll.y, roll.z, roll.twist}), count,
                    [&](int q) { return &to.roll[pair_of(q)].x; });
-    const unsigned beyond = bits(too_deep) | arms.add(to.sums, rows, own, count, f);
-    if (to.observed || beyond != 0) record(to, rows, count, f, c.overlap, arms.contact_point());
-    if (to.work.friction != nullptr) add_work(to.work, own, count, f.work);
-    reader(rows, count, f);
+    UnitLanes units = arms.units(to.sums, f);
+    const unsigned left_out = units.beyond(), beyond = bits(too_deep) | left_out;
+    if (to.observed || beyond != 0) {
+        record(to, rows, count, f, c.overlap, arms.contact_point());
+        if (left_out != 0) units.drop_beyond();
+    }
+    units.add(to.sums, rows, own, count);
+    if (to.work.friction != nullptr) add_work(to.work, own, count, f.work, left_out);
+    reader(rows, count, f, left_out);
     return beyond & ((1u << count) - 1);
 }
 

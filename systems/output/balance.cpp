@@ -17,11 +17,12 @@ namespace bris {
 namespace {
 
 /// Contact forces on a body in units of the ForceGrid: integers, as in a step, so that their order
-/// does not change a bit. Unsigned, because they may wrap around before the guard stops the run.
+/// does not change a bit, and wide ones, because a boundary may have any number of contacts.
 struct Sum {
-    std::uint64_t x = 0, y = 0, z = 0, total = 0, contacts = 0;
+    WideInteger x = 0, y = 0, z = 0, total = 0;
+    std::uint64_t contacts = 0;
     void add(const Vec3& units) {
-        const auto integer = [](double u) { return static_cast<std::uint64_t>(std::llrint(u)); };
+        const auto integer = [](double u) { return WideInteger{std::llrint(u)}; };
         x += integer(units.x());
         y += integer(units.y());
         z += integer(units.z());
@@ -29,10 +30,7 @@ struct Sum {
         ++contacts;
     }
     Vec3 resultant() const {
-        const auto number = [](std::uint64_t u) {
-            return static_cast<double>(static_cast<std::int64_t>(u));
-        };
-        return {number(x), number(y), number(z)};
+        return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
     }
 };
 

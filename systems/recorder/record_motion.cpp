@@ -108,7 +108,9 @@ void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, con
     }
 }
 
-void record_motion(const NotedMotions& motions, InertialRecorders& recorders, const Clock& clock) {
+void record_motion(const NotedMotions& motions, InertialRecorders& recorders, const Clock& clock,
+                   const Health& health) {
+    if (health.bad) return;
     for (std::size_t k = 0; k < recorders.list.size(); ++k) {
         InertialRecorder& recorder = recorders.list[k];
         record(recorder.device, motions.of[k], recorders.start, clock);

@@ -4,6 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/recorder.hpp"
 #include "engine/clock.hpp"
+#include "engine/health.hpp"
 #include "engine/rows.hpp"
 #include "engine/signal/imu.hpp"
 #include "engine/world.hpp"
@@ -50,7 +51,9 @@ void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, con
 
 /// Lets the inertial recorders follow the motion that was noted, and takes the samples that are
 /// due: sample n in the step whose time is nearest to start + n / rate, with the time of that step.
-/// The sensor's low pass acts at every step, so before sampling.
-void record_motion(const NotedMotions& motions, InertialRecorders& recorders, const Clock& clock);
+/// The sensor's low pass acts at every step, so before sampling. A step that has failed is left
+/// out.
+void record_motion(const NotedMotions& motions, InertialRecorders& recorders, const Clock& clock,
+                   const Health& health);
 
 } // namespace bris

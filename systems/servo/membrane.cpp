@@ -78,18 +78,23 @@ double ServoMotion::next(double speed, double force, double touching) {
     return std::clamp(speed * dt + driven * kick, -largest_step, largest_step) / dt;
 }
 
-void push_membrane(Rows<Elements, ElementPush, ElementHold> elements, const ElementSums& sums,
+void sum_membrane(const ElementSums& rows, const Overload& overload, MembraneSums& sums) {
+    sums.of.assign(rows.elements, {});
+    if (overload.body != nobody) return;
+    for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+        auto& [push, hold] = sums.of[k % rows.elements];
+        push += rows.rows[k].push;
+        hold += rows.rows[k].hold;
+    }
+}
+
+void push_membrane(Rows<Elements, ElementPush, ElementHold> elements, const MembraneSums& sums,
                    const ForceGrid& grid) {
     double* push = elements.column<ElementPush>();
     double* hold = elements.column<ElementHold>();
     for (std::size_t e = 0; e < elements.size(); ++e) {
-        ElementRow sum;
-        for (std::size_t k = e; k < sums.rows.size(); k += sums.elements) {
-            sum.push += sums.rows[k].push;
-            sum.hold += sums.rows[k].hold;
-        }
-        push[e] = grid.force * static_cast<double>(sum.push);
-        hold[e] = ElementSums::hold_unit * static_cast<double>(sum.hold);
+        push[e] = grid.force * static_cast<double>(sums.of[e][0]);
+        hold[e] = ElementSums::hold_unit * static_cast<double>(sums.of[e][1]);
     }
 }
 

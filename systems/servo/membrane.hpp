@@ -14,10 +14,14 @@
 
 namespace bris {
 
+/// Adds the sums of all chunks. Where a chunk has more than the grid holds, the sums may have
+/// wrapped: the elements get no force in the step, in which the guard stops the run.
+void sum_membrane(const ElementSums& rows, const Overload& overload, MembraneSums& sums);
+
 /// Forces of the grains on the elements. The contact kernels divide the radial part of a contact
 /// between the two nearest elements by the lever rule, so that push times speed is the power of the
 /// contacts.
-void push_membrane(Rows<Elements, ElementPush, ElementHold> elements, const ElementSums& sums,
+void push_membrane(Rows<Elements, ElementPush, ElementHold> elements, const MembraneSums& sums,
                    const ForceGrid& grid);
 
 /// Accumulates the work of the elements on the grains over half a step. It runs twice a step, at

@@ -8,14 +8,44 @@
 
 namespace bris {
 
+namespace {
+
+void add_over_ranks(std::vector<WideInteger>& values) {
+    // three numbers for each of 128 bits, whose sums over ranks cannot overflow
+    constexpr WideInteger base = WideInteger{1} << 32;
+    std::vector<std::int64_t> limbs;
+    for (WideInteger value : values)
+        for (int k = 0; k < 3; ++k) {
+            const auto low = static_cast<std::int64_t>(value & (base - 1));
+            limbs.push_back(k < 2 ? low : static_cast<std::int64_t>(value));
+            value = (value - low) / base;
+        }
+    Ranks::sum(limbs);
+    const std::int64_t* next = limbs.data();
+    for (WideInteger& value : values) {
+        value = next[0] + base * (next[1] + base * WideInteger{next[2]});
+        next += 3;
+    }
+}
+
+} // namespace
+
 void share_census(const Slab&, const ListState& lists, const Clock& clock, Census& census) {
     if (lists.last_rebuild != clock.step) return;
     census.largest_radius = Ranks::largest(census.largest_radius);
+    census.largest_grain_mass = Ranks::largest(census.largest_grain_mass);
     census.smallest_free_radius = -Ranks::largest(-census.smallest_free_radius);
     std::vector<std::int64_t> grains(census.grains.begin(), census.grains.end());
     Ranks::sum(grains); // the boundaries are on all ranks
     std::ranges::transform(grains, census.grains.begin(),
                            [](std::int64_t n) { return static_cast<std::uint32_t>(n); });
+}
+
+void forget_sums_of_ghosts(Rows<Bodies, const Ghost> bodies, Rows<ForceSums, ContactSum> sums,
+                           const Alarm& alarm) {
+    if (!alarm.raised) return;
+    for (Row b = 0; b < bodies.size(); ++b)
+        if (bodies.column<Ghost>()[b] != 0) sums.column<ContactSum>()[b] = {};
 }
 
 void share_boundary_forces(Rows<Bodies, const MotionOf, const AngularVelocity, const BodyId> bodies,
@@ -31,23 +61,15 @@ void share_boundary_forces(Rows<Bodies, const MotionOf, const AngularVelocity, c
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::sort(order, {},
                       [&](std::size_t k) { return bodies.column<BodyId>()[census.boundaries[k]]; });
-    // three numbers for each of 128 bits, whose sums over ranks cannot overflow
-    constexpr WideInteger base = WideInteger{1} << 32;
-    std::vector<std::int64_t> limbs;
-    for (const std::size_t of_body : order)
-        for (WideInteger value : sums.of[of_body])
-            for (int k = 0; k < 3; ++k) {
-                const auto low = static_cast<std::int64_t>(value & (base - 1));
-                limbs.push_back(k < 2 ? low : static_cast<std::int64_t>(value));
-                value = (value - low) / base;
-            }
-    Ranks::sum(limbs);
-    const std::int64_t* next = limbs.data();
-    for (const std::size_t of_body : order)
-        for (WideInteger& value : sums.of[of_body]) {
-            value = next[0] + base * (next[1] + base * WideInteger{next[2]});
-            next += 3;
-        }
+    std::vector<WideInteger> total;
+    for (const std::size_t k : order)
+        total.insert(total.end(), sums.of[k].begin(), sums.of[k].end());
+    add_over_ranks(total);
+    const WideInteger* next = total.data();
+    for (const std::size_t k : order) {
+        std::copy_n(next, sums.of[k].size(), sums.of[k].begin());
+        next += sums.of[k].size();
+    }
 }
 
 void share_platen_contacts(const Slab&, Platen& platen) {
@@ -72,16 +94,12 @@ void share_motion(Rows<Bodies, const RecorderOf, const SpheresOf, const Ghost> b
         std::memcpy(static_cast<void*>(&motions.of[k]), &sum[k], sizeof(Bits));
 }
 
-void share_membrane_forces(const Slab&, ElementSums& sums) {
-    std::vector<std::int64_t> total(2 * sums.elements);
-    for (std::size_t k = 0; k < sums.rows.size(); ++k) {
-        total[2 * (k % sums.elements)] += sums.rows[k].push;
-        total[2 * (k % sums.elements) + 1] += sums.rows[k].hold;
-    }
-    Ranks::sum(total);
-    sums.rows.resize(sums.elements);
-    for (std::size_t e = 0; e < sums.elements; ++e)
-        sums.rows[e] = {.push = total[2 * e], .hold = total[2 * e + 1]};
+void share_membrane_forces(const Slab&, MembraneSums& sums) {
+    std::vector<WideInteger> total;
+    for (const auto& of_element : sums.of)
+        total.insert(total.end(), of_element.begin(), of_element.end());
+    add_over_ranks(total);
+    for (std::size_t e = 0; e < sums.of.size(); ++e) sums.of[e] = {total[2 * e], total[2 * e + 1]};
 }
 
 } // namespace bris

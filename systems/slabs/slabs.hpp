@@ -55,6 +55,10 @@ void list_ghosts(Rows<Bodies, const BodyId, const Position, const BoundingRadius
                      bodies,
                  const ListState& lists, const Clock& clock, Slab& slab);
 
+/// Clears the sums of ghosts that the grid does not hold, which other ranks have in full.
+void forget_sums_of_ghosts(Rows<Bodies, const Ghost> bodies, Rows<ForceSums, ContactSum> sums,
+                           const Alarm& alarm);
+
 /// Adds the forces on boundaries over all ranks, where they move a boundary or their work is
 /// wanted.
 void share_boundary_forces(Rows<Bodies, const MotionOf, const AngularVelocity, const BodyId> bodies,
@@ -64,7 +68,7 @@ void share_boundary_forces(Rows<Bodies, const MotionOf, const AngularVelocity, c
 void share_platen_contacts(const Slab& slab, Platen& platen);
 
 /// Adds the forces on the elements of a membrane over all ranks.
-void share_membrane_forces(const Slab& slab, ElementSums& sums);
+void share_membrane_forces(const Slab& slab, MembraneSums& sums);
 
 /// Gives all ranks the motion that was noted of the bodies with inertial recorders, so that all
 /// ranks have the same recordings.

@@ -62,7 +62,7 @@ void complete_motion_of_step(const MovedSpheres& bodies, const Places& listed,
 /// The combined systems themselves, for groups of rows with a boundary and for incomplete ones.
 void move_bodies(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, ListState& lists, Alarm& alarm) {
-    sum_contacts(bodies, sums, s.grid, s.census, s.boundaries);
+    sum_contacts(bodies, sums, s.grid, s.census, s.boundaries, alarm);
     apply_gravity(bodies, s.gravity);
     integrate(bodies, s.clock);
     rotate_spheres(bodies, s.clock);
@@ -85,7 +85,7 @@ public:
           dt_(s.clock.dt), observed_(observed), columns_are_due_(columns.due),
           columns_are_current_(columns.current) {}
 
-    /// Moves the spheres from row `first` on. Sets used_up() and escaped() if one of them calls for
+    /// Moves the spheres from row `first` on. Sets used_up() and alarmed() if one of them calls for
     /// it.
     void move(Row first) {
         const LaneRows rows{first, lane_count};
@@ -98,7 +98,7 @@ public:
             move<false>(rows, free);
     }
     bool used_up() const { return bits(near_) != all_lanes; }
-    bool escaped() const { return bits(allowed_) != all_lanes; }
+    bool alarmed() const { return bits(allowed_) != all_lanes; }
 
 private:
     /// Number of spheres whose rows fill a cache of some ten megabytes.
@@ -186,7 +186,8 @@ private:
         const Lane distance = sqrt(dot(gone, gone));
         if (columns_are_due_) store(bodies_.column<DisplacementBound>(), rows, distance);
         near_ &= distance <= number<InnerSkin>(rows);
-        allowed_ &= within_.allow(x, v, omega, distance, number<BoundingRadius>(rows), free);
+        allowed_ &=
+            net.held & within_.allow(x, v, omega, distance, number<BoundingRadius>(rows), free);
     }
     template <class C>
     Lane number(LaneRows rows) const {
@@ -247,7 +248,7 @@ void move_spheres(MovedSpheres bodies, SumRows sums, Places listed, const ForceG
         }
     });
     if (groups.used_up()) lists.note_used_up();
-    if (groups.escaped()) alarm.raise();
+    if (groups.alarmed()) alarm.raise();
     if (!columns.due) columns.note_skipped();
 }
 
@@ -285,7 +286,7 @@ void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, cons
             for (const Row b : ghost.send) write_columns(bodies.over({b, b + 1}), listed);
     pass_spheres(bodies, slab);
     for_chunks_of(bodies, ghosts, [&](const MovedSpheres& others) {
-        sum_contacts(others, sums, grid, census, boundaries); // clears them
+        sum_contacts(others, sums, grid, census, boundaries, alarm); // clears them
         update_sphere_positions(others, listed);
         update_kicks(others);
         bound_displacement(others, lists);

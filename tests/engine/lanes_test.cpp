@@ -93,6 +93,13 @@ TEST_SUITE("engine/lanes") {
         for (std::size_t q = 0; q < width; ++q) a[q] = number[q % 4];
         const LaneMask n = nearest_integers(a);
         for (std::size_t q = 0; q < width; ++q) CHECK(n[q] == expected[q % 4]);
+        // and so are those of any size up to 2^62
+        Random draw(1, 2);
+        for (int k = 0; k < 20000; ++k) {
+            const double size = std::ldexp(draw.uniform(-1, 1), k % 66 - 3),
+                         x = k % 5 == 0 ? std::floor(size) + 0.5 : size;
+            CHECK(nearest_integers(lanes(x))[k % lane_count] == std::llrint(x));
+        }
     }
 
     TEST_CASE("integer rows are added and subtracted, also where lanes share a row") {

@@ -8,8 +8,11 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/fields/initial_fouling.hpp"
 #include "systems/fusion/fuse.hpp"
+#include "systems/servo/membrane.hpp"
+#include "systems/slabs/slabs.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
+#include "tests/extreme_scenes.hpp"
 
 #include <doctest/doctest.h>
 
@@ -437,6 +440,51 @@ TEST_SUITE("ranks") {
         const std::string alone = stop_of(false), together = stop_of(true);
         REQUIRE(!alone.empty());
         CHECK(alone.substr(0, alone.find(':')) == together.substr(0, together.find(':')));
+    }
+
+    TEST_CASE(
+        "random scenes of extreme ratios give the same bits, or stop in the same step, on any "
+        "number of ranks") {
+        const char* asked = std::getenv("BRIS_RANDOM_SCENES");
+        const unsigned scenes = asked != nullptr ? static_cast<unsigned>(std::atoi(asked)) : 200;
+        unsigned done = 0, stopped = 0;
+        for (unsigned k = 0; k < scenes; ++k) {
+            CAPTURE(k);
+            const auto run = [&](bool divided) {
+                testing::ExtremeScene scene = testing::extreme_scene(k);
+                Simulation simulation = begin(std::move(scene.world), scene.settings);
+                if (!divided) simulation.divide({});
+                const std::string text = refusal_of([&] { simulation.advance(scene.steps); });
+                return std::pair(text.substr(0, text.find(':')),
+                                 text.empty() ? simulation.snapshot() : Archive());
+            };
+            const auto [alone, whole] = run(false);
+            const auto [together, parts] = run(true);
+            REQUIRE(alone == together);
+            REQUIRE(difference(whole, parts) == "");
+            ++(alone.empty() ? done : stopped);
+        }
+        CHECK(done > scenes / 10);
+        CHECK(stopped > scenes / 10);
+    }
+
+    TEST_CASE("forces on the elements of a membrane are added over ranks beyond 2^63 units") {
+        constexpr WideInteger large = WideInteger{1} << 62;
+        ElementSums rows;
+        rows.elements = 2;
+        constexpr auto most = static_cast<std::int64_t>(large);
+        rows.rows = {{.push = most, .hold = 1},
+                     {.push = -most, .hold = 2},
+                     {.push = most, .hold = 3},
+                     {.push = 7, .hold = 4}};
+        MembraneSums sums;
+        sum_membrane(rows, {}, sums);
+        share_membrane_forces({}, sums);
+        const auto ranks = static_cast<int>(Ranks::size());
+        REQUIRE(sums.of.size() == 2);
+        CHECK((sums.of[0][0] == 2 * large * ranks));
+        CHECK((sums.of[1][0] == (7 - large) * ranks));
+        CHECK((sums.of[1][1] == 6 * ranks));
     }
 
     TEST_CASE("random scenes give the same bits on any number of ranks") {
