@@ -139,6 +139,7 @@ public:
           test_settings_(s_.triaxial.test), progress_(make_progress(common)) {
         test_settings_.confining_pressure = s_.triaxial.confining_pressure.front();
         infos_ = infos_of(s_);
+        go_on_with_arrivals(common_);
         if (RunBroker::is_needed(s_.broker, s_.stream)) {
             // before the specimen is made: what arrives until then waits in the queue of the client
             broker_.emplace(s_.broker, s_.stream, 0.0, common_);

@@ -17,9 +17,13 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <sys/resource.h>
+#include <utility>
+#include <vector>
 
 namespace bris {
 
@@ -126,8 +130,12 @@ void write_example(const std::filesystem::path& folder, const Monitor& m, std::u
     write_passages(folder / "recordings", now, comment);
 }
 
-void check(const Monitor& m) {
+void check(const Monitor& m, const Common& common) {
     const MonitorSettings& s = m.settings;
+    require(common.resume.empty() || std::filesystem::exists(common.resume / log_name),
+            fmt::format("--resume: expected a folder of results with {}, the log of a stream; files "
+                        "are read from their beginning; found '{}'",
+                        log_name, common.resume.string()));
     require(s.band_high > s.band_low,
             fmt::format("--band-low, --band-high: expected a band, found {:g} to {:g} Hz",
                         s.band_low, s.band_high));
@@ -156,6 +164,25 @@ void check_band(const std::vector<SensorBaseline>& baselines, const MonitorSetti
                             b.id, b.rate, s.band_low));
 }
 
+/// Lines that tell once when those of earlier sessions have been given again.
+class LinesOfSession : public Lines {
+public:
+    LinesOfSession(std::unique_ptr<Lines> lines, std::function<void()> tell)
+        : lines_(std::move(lines)), tell_(std::move(tell)) {}
+    std::optional<Line> next(double timeout) override {
+        auto line = lines_->next(timeout);
+        if (tell_ && !lines_->is_repeating()) std::exchange(tell_, {})();
+        return line;
+    }
+    bool over() const override { return lines_->over(); }
+    double now() const override { return lines_->now(); }
+    bool is_repeating() const override { return lines_->is_repeating(); }
+
+private:
+    std::unique_ptr<Lines> lines_;
+    std::function<void()> tell_;
+};
+
 /// Only what was judged as the baseline is an all-clear.
 AlarmState alarm_state(Verdict verdict) {
     return verdict == Verdict::changed       ? AlarmState::active
@@ -169,7 +196,8 @@ public:
         : m_(monitor), common_(common), settings_(monitor.settings) {}
 
     void run() {
-        check(m_);
+        check(m_, common_);
+        go_on_with_arrivals(common_);
         if (!m_.example.empty()) return write_example(m_.example, m_, common_.seed);
         auto baseline = m_.baseline, recordings = m_.recordings;
         if (baseline.empty()) {
@@ -209,13 +237,21 @@ private:
     void publish(const PassageResult& passage) {
         if (!publisher_) return;
         for (const SensorResult& s : passage.sensors) {
-            publisher_->publish_alarm(
-                s.id,
-                PublishedAlarm{alarm_state(s.verdict), text_of(s.verdict), s.reason, recorded_});
-            publisher_->publish_sensor(s.id, {{"recorded_time_s", recorded_},
-                                              {"outlier_share", s.outlier_share},
-                                              {"rms_ratio", s.level_ratio},
-                                              {"power_ratio", s.power_ratio}});
+            news_[s.id] = News{
+                PublishedAlarm{alarm_state(s.verdict), text_of(s.verdict), s.reason, recorded_},
+                {{"recorded_time_s", recorded_},
+                 {"outlier_share", s.outlier_share},
+                 {"rms_ratio", s.level_ratio},
+                 {"power_ratio", s.power_ratio}}};
+        }
+        if (!is_repeating_) publish_news();
+    }
+    void publish_news() {
+        is_repeating_ = false;
+        if (!publisher_) return;
+        for (const auto& [id, news] : std::exchange(news_, {})) {
+            publisher_->publish_alarm(id, news.alarm);
+            publisher_->publish_sensor(id, news.numbers);
         }
     }
 
@@ -278,7 +314,11 @@ private:
             if (b.impossible_because.empty()) of_stream.thresholds[b.id] = b.train_threshold;
         settings_.rest = of_stream.window + 10; // passages are compared as a whole
         const auto infos = sensor_infos_in(metadata, "--baseline");
-        PassageStream stream(lines_of(infos), infos, of_stream);
+        auto lines = lines_of(infos);
+        is_repeating_ = lines->is_repeating();
+        PassageStream stream(
+            std::make_unique<LinesOfSession>(std::move(lines), [this] { publish_news(); }), infos,
+            of_stream);
         began_ = processor_time();
         while (const auto passage = stream.next()) {
             recorded_ = stream.recorded_time();
@@ -334,6 +374,12 @@ private:
     std::optional<RunBroker> broker_;       // none: no broker
     std::optional<Publisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // while a stream is followed
+    struct News {
+        PublishedAlarm alarm;
+        std::vector<ValueOf<NumbersOf::sensor>> numbers;
+    };
+    std::map<unsigned, News> news_; // of each sensor, not published so far
+    bool is_repeating_ = false;     // an earlier session: its news are old
     double recorded_ = 0, began_ = 0;          // s; of a stream without the time for the baseline
 };
 
@@ -349,7 +395,6 @@ int main(int argc, char** argv) {
         {.name = "monitor",
          .description = "Compares recordings of SmartRocks under trains with a baseline and says "
                         "whether the ballast beside them has changed.",
-         .cannot_resume = "recordings are read in seconds, and a stream goes on by itself",
          .cannot_explain = "it runs no time steps"},
         bris::run);
 }

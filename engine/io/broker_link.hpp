@@ -51,6 +51,8 @@ public:
     /// Time (s since 1970 UTC) by which all that arrived was given; it goes on while nothing
     /// arrives.
     virtual double now() const { return arrival_now(); }
+    /// Whether what comes was given before, in an earlier session of a run that was resumed.
+    virtual bool is_repeating() const { return false; }
     /// Publishes; never waits. Returns false if the message is not sent.
     virtual bool publish(const std::string& topic, const std::string& payload,
                          Delivery delivery) = 0;

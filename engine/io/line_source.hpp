@@ -31,6 +31,8 @@ public:
     /// Time (s since 1970 UTC) by which all that arrived was given; it goes on while nothing
     /// arrives. NaN: nothing arrives here, but is read from a file.
     virtual double now() const = 0;
+    /// Whether what comes was given before, in an earlier session of a run that was resumed.
+    virtual bool is_repeating() const { return false; }
 };
 
 /// Lines as they arrive from the standard input ("-"), a pipe or a growing file. A separate thread

@@ -97,9 +97,43 @@ void PassageStream::keep(GatedRecord record) {
     sensor.last = record.t;
     if (join(sensor, record.segment, record)) return;
     Open& open = sensor.open[record.segment];
+    if (is_too_late(sensor, open, record))
+        return gate_.leave_out(LeftOut::too_late, fmt::format("line {}: sensor {}: t = {:.10g} s",
+                                                              record.record.line, record.id,
+                                                              record.t));
+    open.newest = std::max(open.newest, record.t);
     open.latest = open.samples.empty() ? record.t : std::max(open.latest, record.t);
     open.samples.add(record);
     if (open.latest - open.looked_at >= look_interval) look(sensor, record.segment, open, false);
+}
+
+/// Whether the verdict on a record's time is final. Only what comes late can be.
+bool PassageStream::is_too_late(const Sensor& sensor, const Open& open,
+                                const GatedRecord& record) const {
+    if (final_.empty() || record.t >= open.newest - reordered) return false;
+    const Gate::Offset o = gate_.offset(sensor.info.id, record.segment, record.t);
+    return o.basis != TimeBasis::unknown && was_final(record.t + o.seconds);
+}
+
+bool PassageStream::was_final(double common) const {
+    const auto after = std::ranges::upper_bound(final_, common, {}, &Interval::begin);
+    return after != final_.begin() && common <= std::prev(after)->end;
+}
+
+/// Forgets activities whose time, which was not known before, has a final verdict.
+void PassageStream::leave_out_too_late() {
+    for (auto& [id, sensor] : sensors_)
+        std::erase_if(sensor.activities, [&](Activity& a) {
+            if (a.offset || a.passage != 0) return false;
+            const Gate::Offset o = gate_.offset(id, a.segment, a.own.end);
+            if (o.basis == TimeBasis::unknown) return false;
+            a.offset = o.seconds;
+            if (!was_final(0.5 * (a.own.begin + a.own.end) + o.seconds)) return false;
+            gate_.leave_out(LeftOut::too_late,
+                            fmt::format("sensor {}: t = {:.10g} s", id, a.own.begin),
+                            a.samples.size());
+            return true;
+        });
 }
 
 /// Adds a late record to the activity in whose time it lies. Returns false if there is none.
@@ -172,6 +206,7 @@ void PassageStream::update() {
     if (over_)
         for (auto& [id, sensor] : sensors_)
             for (auto& [segment, open] : sensor.open) look(sensor, segment, open, true);
+    leave_out_too_late();
     for (const Group& group : groups()) {
         const bool is_final = over_ || is_complete(group) || is_over_late(group);
         if (is_final || is_due(group)) give(group, is_final);
@@ -187,11 +222,7 @@ std::vector<PassageStream::Group> PassageStream::groups() {
     std::vector<std::pair<Interval, std::pair<Sensor*, Activity*>>> all;
     for (auto& [id, sensor] : sensors_)
         for (Activity& a : sensor.activities) {
-            if (!a.offset) {
-                const Gate::Offset o = gate_.offset(id, a.segment, a.own.end);
-                if (o.basis == TimeBasis::unknown) continue;
-                a.offset = o.seconds;
-            }
+            if (!a.offset) continue;
             all.push_back({{a.own.begin + *a.offset, a.own.end + *a.offset}, {&sensor, &a}});
         }
     std::ranges::stable_sort(all, {}, [](const auto& one) { return one.first.begin; });
@@ -288,7 +319,8 @@ void PassageStream::release(const Group& group) {
         activity->own.end = activity->own.begin - 1; // marked
     }
     given_.erase(id);
-    final_.push_back(group.time);
+    final_.insert(std::ranges::upper_bound(final_, group.time.begin, {}, &Interval::begin),
+                  group.time);
     if (final_.size() > most_final) final_.erase(final_.begin());
 }
 

@@ -77,7 +77,8 @@ private:
     /// Records of one segment of a sensor's clock that are not in an activity.
     struct Open {
         Samples samples;
-        double latest = 0, looked_at = -1e300; // s, unwrapped own time
+        // s, unwrapped own times: of those that are here, of all so far
+        double latest = 0, newest = -1e300, looked_at = -1e300;
     };
     struct Sensor {
         SensorInfo info;
@@ -101,6 +102,9 @@ private:
     void keep(GatedRecord record);
     void look(Sensor& sensor, std::size_t segment, Open& open, bool at_end);
     void close(Sensor& sensor, std::size_t segment, Open& open, const Interval& passage);
+    bool is_too_late(const Sensor& sensor, const Open& open, const GatedRecord& record) const;
+    bool was_final(double common) const;
+    void leave_out_too_late();
     bool join(Sensor& sensor, std::size_t segment, const GatedRecord& record);
     void update();
     std::vector<Group> groups();
@@ -122,7 +126,7 @@ private:
     std::map<unsigned, Sensor> sensors_;
     std::deque<StreamPassage> ready_;
     std::map<std::uint64_t, Given> given_; // passages that are not final
-    std::vector<Interval> final_;          // common times of the last final ones
+    std::vector<Interval> final_;          // common times of the last final ones, in order
     std::uint64_t taken_ = 0, unreadable_ = 0, passages_ = 0, in_passages_ = 0, quiet_ = 0;
     double updated_ = -1e300; // s, progress of the stream at the last update
     bool over_ = false;

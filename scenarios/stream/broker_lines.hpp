@@ -38,6 +38,9 @@ public:
     std::optional<Line> next(double timeout) override;
     bool over() const override { return ready_.empty() && link_.over(); }
     double now() const override { return link_.now(); }
+    bool is_repeating() const override {
+        return ready_.empty() ? link_.is_repeating() : ready_.front().arrived == Instant{};
+    }
 
     /// Makes lines of a message.
     void take(const BrokerMessage& message);

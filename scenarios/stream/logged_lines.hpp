@@ -37,6 +37,7 @@ public:
     std::optional<Line> next(double timeout) override;
     bool over() const override { return !earlier_ && source_->over(); }
     double now() const override { return now_; }
+    bool is_repeating() const override { return earlier_.has_value(); }
 
 private:
     void log(const Line& line);

@@ -42,6 +42,7 @@ public:
     std::optional<BrokerMessage> next(double timeout) override;
     bool over() const override { return !earlier_ && link_.over(); }
     double now() const override { return now_; }
+    bool is_repeating() const override { return earlier_.has_value(); }
     bool publish(const std::string& topic, const std::string& payload, Delivery delivery) override;
     BrokerCounters counters() const override { return link_.counters(); }
 

@@ -19,7 +19,16 @@ void keep_aside(const std::filesystem::path& log) {
     std::filesystem::rename(log, kept);
 }
 
+bool is_resumed(const Common& common) {
+    return !common.resume.empty() && std::filesystem::is_directory(common.resume);
+}
+
 } // namespace
+
+void go_on_with_arrivals(const Common& common) {
+    const auto before = common.resume / log_name;
+    if (is_resumed(common) && std::filesystem::exists(before)) go_on_after(arrivals_in(before));
+}
 
 std::shared_ptr<StreamLog> begin_log(const RunBrokerSettings& s, LoggedRecords records,
                                      const std::filesystem::path& stream, const Common& common) {
@@ -29,7 +38,7 @@ std::shared_ptr<StreamLog> begin_log(const RunBrokerSettings& s, LoggedRecords r
             fmt::format("--stream, --out: expected two files, found '{}' as the stream and as the "
                         "log of it",
                         log.string()));
-    const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
+    const bool goes_on = is_resumed(common);
     if (!goes_on && std::filesystem::exists(log)) keep_aside(log);
     if (s.history <= 0) return {};
     const auto before = common.resume / log_name;

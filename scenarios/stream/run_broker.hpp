@@ -42,6 +42,9 @@ constexpr auto log_name = "stream.ndjson";
 /// OutputError.
 std::shared_ptr<StreamLog> begin_log(const RunBrokerSettings& settings, LoggedRecords records,
                                      const std::filesystem::path& stream, const Common& common);
+/// Goes on with the arrivals of the run that is resumed, if there is one that has a log. To be
+/// called before anything arrives.
+void go_on_with_arrivals(const Common& common);
 /// What the log left out, in one line; empty: nothing.
 std::string report_on_log(const StreamLog* log, const RunBrokerSettings& settings);
 

@@ -74,9 +74,9 @@ StreamLog::StreamLog(std::filesystem::path path, LoggedRecords records, std::uin
     bytes_ = earlier_;
     file_ = std::fopen(file.c_str(), "ae");
     if (file_ == nullptr) throw OutputError(fmt::format("cannot write '{}'", path_.string()));
-    write(fmt::format("{{\"format\": \"{}\", \"records\": \"{}\", \"arrival\": {}, \"anchor\": "
-                      "{}}}\n",
-                      format, name_of(records), began_, arrival_anchor()));
+    write(fmt::format("{{\"format\": \"{}\", \"records\": \"{}\", \"arrival\": {}, \"anchor\": {}, "
+                      "\"boot\": \"{}\"}}\n",
+                      format, name_of(records), began_, arrival_anchor(), boot_of_computer()));
 }
 
 StreamLog::~StreamLog() {
@@ -163,6 +163,10 @@ LogEntry StreamLogReader::parse(std::string_view line) {
     while (const auto m = next_member()) {
         if (m->name == "arrival") {
             e.arrival = number(*m);
+        } else if (m->name == "anchor") {
+            e.anchor = number(*m);
+        } else if (m->name == "boot") {
+            e.boot = text(*m);
         } else if (m->name == "format") {
             if (text(*m) != format)
                 refuse(fmt::format("format: expected \"{}\", found {}", format,
@@ -191,6 +195,20 @@ LogEntry StreamLogReader::parse(std::string_view line) {
     if (!kind) refuse("expected a line, a topic or a tick, found none");
     e.kind = *kind == Kind::message && published ? Kind::published : *kind;
     return e;
+}
+
+ArrivalsBefore arrivals_in(const std::filesystem::path& log) {
+    ArrivalsBefore found;
+    StreamLogReader reader(log);
+    while (const auto e = reader.next()) {
+        if (e->kind == LogEntry::Kind::session) {
+            found.anchor = e->anchor;
+            found.boot = e->boot;
+        } else if (e->kind != LogEntry::Kind::published && std::isfinite(e->arrival)) {
+            found.last = e->arrival;
+        }
+    }
+    return found;
 }
 
 std::optional<LoggedRecords> records_of_log(const std::filesystem::path& path) {

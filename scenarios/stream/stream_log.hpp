@@ -28,6 +28,8 @@ struct LogEntry {
     std::string text = {};       ///< line or payload
     bool whole = true;           ///< of a line, as Lines::Line
     bool retained = false;       ///< of a message
+    double anchor = no_arrival;  ///< s, arrival_anchor of a session
+    std::string boot = {};       ///< boot_of_computer of a session
 };
 
 /// Where the records of a session came from.
@@ -35,8 +37,8 @@ enum class LoggedRecords { lines, messages };
 
 /// Writes what arrives, as it arrives, so that the same can be given again: a text file with one
 /// JSON object in each line. A session begins with
-///     {"format": "bris stream log 1", "records": "lines", "arrival": A, "anchor": B}
-/// (or "messages"; B: arrival_anchor), and goes on with
+///     {"format": "bris stream log 1", "records": "lines", "arrival": A, "anchor": B, "boot": C}
+/// (or "messages"; B: arrival_anchor, C: boot_of_computer), and goes on with
 ///     {"arrival": A, "line": "..."}                    and "cut": 1 if the line lacks its end
 ///     {"arrival": A, "topic": "...", "payload": "..."} and "retained": 1, "published": 1
 ///     {"arrival": A, "tick": 1}
@@ -100,6 +102,9 @@ private:
     LoggedRecords records_ = LoggedRecords::lines;
     std::optional<LogEntry> first_;
 };
+
+/// Where the arrivals of a log ended. Throws like StreamLogReader.
+ArrivalsBefore arrivals_in(const std::filesystem::path& log);
 
 /// Where the records of a log come from; nothing: the file is no log, or not there. Throws
 /// InputError for an HDF5 file: histories in run files, as earlier versions had them, are not read

@@ -1,5 +1,9 @@
 #include "tests/scenarios/monitoring/faulty_stream.hpp"
 
+#include "scenarios/stream/logged_lines.hpp"
+#include "scenarios/stream/logged_link.hpp"
+#include "tests/temporary_directory.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -122,28 +126,36 @@ TrainDay make_day(unsigned sensors, unsigned trains, double interval, std::uint6
     return day;
 }
 
-DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
-                 PassageStreamSettings settings) {
+namespace {
+
+std::string details_of(const StreamPassage& given, const PassageResult& passage) {
+    std::string text = fmt::format("{} {} {} {} {}", given.id, given.passage.name, given.revision,
+                                   given.is_final, given.time_is_known);
+    for (const Recording& r : given.passage.recordings) text += fmt::format(" {}", r.size());
+    for (const SensorResult& s : passage.sensors)
+        text += fmt::format(" {} {} {} {} {}", s.id, text_of(s.verdict), s.outlier_share,
+                            s.level_ratio, s.power_ratio);
+    return text;
+}
+
+std::deque<Lines::Line> lines_of(const std::vector<Sent>& samples, Way way) {
+    std::deque<Lines::Line> lines;
+    for (const Sent& s : samples)
+        lines.push_back({lines.size() + 1, json_of(s), Instant{}, true,
+                         way == Way::pipe ? s.arrival : no_arrival});
+    return lines;
+}
+
+DayResult judge(const TrainDay& day, std::unique_ptr<Lines> lines, PassageStreamSettings settings) {
     for (const SensorBaseline& b : day.baselines) settings.thresholds[b.id] = b.train_threshold;
-    std::unique_ptr<Lines> lines;
-    std::optional<GivenLink> link;
-    if (way == Way::broker) {
-        link.emplace(messages_of(samples));
-        lines = std::make_unique<BrokerLines>(*link, day.infos, BrokerLines::Order::judged_by_gate);
-    } else {
-        std::deque<Lines::Line> given;
-        for (const Sent& s : samples)
-            given.push_back({given.size() + 1, json_of(s), Instant{}, true,
-                             way == Way::pipe ? s.arrival : no_arrival});
-        lines = std::make_unique<GivenLines>(std::move(given));
-    }
     PassageStream stream(std::move(lines), day.infos, settings);
     MonitorSettings judged = day.settings;
     judged.rest = settings.window + 10;
     DayResult result;
     while (const auto given = stream.next()) {
-        if (!given->is_final) continue;
         const PassageResult passage = judge_passage(given->passage, day.baselines, judged);
+        result.given.push_back(details_of(*given, passage));
+        if (!given->is_final) continue;
         std::string text = given->time_is_known ? "" : "time unknown:";
         for (const SensorResult& s : passage.sensors) {
             if (!given->time_is_known && s.id != given->passage.recordings.front().info.id)
@@ -159,6 +171,57 @@ DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
     result.counts = stream.counts();
     result.report = stream.report();
     return result;
+}
+
+DayResult judge(const TrainDay& day, BrokerLink& link, const PassageStreamSettings& settings) {
+    return judge(
+        day, std::make_unique<BrokerLines>(link, day.infos, BrokerLines::Order::judged_by_gate),
+        settings);
+}
+
+} // namespace
+
+DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
+                 PassageStreamSettings settings) {
+    if (way != Way::broker)
+        return judge(day, std::make_unique<GivenLines>(lines_of(samples, way)), settings);
+    GivenLink link(messages_of(samples));
+    return judge(day, link, settings);
+}
+
+RestartedDay follow_restarted(const TrainDay& day, std::vector<Sent> samples, Way way,
+                              Interval down, double ahead) {
+    const TemporaryDirectory folder;
+    const auto path = folder / "stream.ndjson";
+    const auto records = way == Way::broker ? LoggedRecords::messages : LoggedRecords::lines;
+    const auto resumed = std::ranges::find_if(
+        samples, [&](const Sent& s) { return s.arrival >= down.begin; });
+    const double by = anchor_after({.last = std::prev(resumed)->arrival}, "another boot", down.end,
+                                   ahead); // of a clock that shows the time since then
+    for (auto s = resumed; s != samples.end(); ++s) s->arrival = std::max(s->arrival, down.end) + by;
+    RestartedDay day_found;
+    for (const auto& part : {std::vector<Sent>(samples.begin(), resumed),
+                             std::vector<Sent>(resumed, samples.end())}) {
+        auto log = std::make_shared<StreamLog>(path, records, std::uint64_t{1} << 40);
+        if (way == Way::broker) {
+            GivenLink link(messages_of(part));
+            LoggedLink logged(link, log);
+            day_found.found = judge(day, logged, {});
+        } else {
+            day_found.found =
+                judge(day,
+                      std::make_unique<LoggedLines>(
+                          std::make_unique<GivenLines>(lines_of(part, way)), log),
+                      {});
+        }
+    }
+    if (way == Way::broker) {
+        ReplayedLink again(path, 0, nullptr);
+        day_found.replayed = judge(day, again, {});
+    } else {
+        day_found.replayed = judge(day, open_lines(path), {});
+    }
+    return day_found;
 }
 
 } // namespace bris::testing

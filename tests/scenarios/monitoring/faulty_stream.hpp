@@ -44,10 +44,20 @@ struct DayResult {
     std::size_t changed = 0, time_unknown = 0, not_enough_data = 0;
     StreamCounts counts;
     std::string report;
+    std::vector<std::string> given; ///< every passage and revision with the bits of its numbers
 };
 
 DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
                  PassageStreamSettings settings = {});
+
+/// The same by a monitor that logs and is killed when `down` (s of arrival) begins, and that is
+/// resumed when it ends, with a clock of arrivals that is `ahead` (s) of what it was: what came
+/// meanwhile arrives then. Also what a replay of the whole log gives.
+struct RestartedDay {
+    DayResult found, replayed;
+};
+RestartedDay follow_restarted(const TrainDay& day, std::vector<Sent> samples, Way way, Interval down,
+                              double ahead);
 
 /// Lines from memory.
 class GivenLines : public Lines {

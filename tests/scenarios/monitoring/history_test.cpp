@@ -4,6 +4,7 @@
 #include "scenarios/stream/recording_replay.hpp"
 #include "scenarios/stream/stream_log.hpp"
 #include "tests/scenarios/faults/process.hpp"
+#include "tests/scenarios/monitoring/passage_lines.hpp"
 #include "tests/scenarios/monitoring/test_broker.hpp"
 
 #include <doctest/doctest.h>
@@ -16,34 +17,12 @@
 #include <thread>
 
 using namespace bris;
+using bris::testing::lines_of_passages;
 using bris::testing::TestBroker;
 
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The records of all passages in a folder, one passage 20 s after the other.
-std::vector<std::string> lines_of_passages(const fs::path& folder) {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder))
-        if (entry.path().filename() == "recordings.csv") files.push_back(entry.path());
-    std::ranges::sort(files);
-    std::vector<std::string> lines;
-    for (std::size_t k = 0; k < files.size(); ++k) {
-        RecordParser parser;
-        std::ifstream in(files[k]);
-        for (std::string line; std::getline(in, line);) {
-            const auto record = parser.parse({1, line, this_instant(), true});
-            if (!record) continue;
-            std::string text;
-            for (const auto& [name, value] : record->numbers())
-                text += fmt::format("{}\"{}\": {}", text.empty() ? "{" : ", ", name,
-                                    name == "t" ? value + 20.0 * static_cast<double>(k) : value);
-            lines.push_back(text + "}");
-        }
-    }
-    return lines;
-}
 
 /// What a run published of alarms and numbers of sensors, one after the other, with every byte.
 std::vector<std::string> verdicts_in(const fs::path& file) {

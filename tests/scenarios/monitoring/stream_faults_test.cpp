@@ -205,9 +205,47 @@ void check_all(unsigned sensors) {
     }
 }
 
+/// The monitor itself is restarted in the second train, and its clock is set meanwhile. A file is
+/// read again from its beginning, and has no arrivals.
+void check_restarts(unsigned sensors) {
+    struct Restart {
+        const char* name;
+        double down_for, clock_set_by; // s
+    };
+    const TrainDay day = make_day(sensors, 2, interval, 3);
+    for (const Way way : {Way::broker, Way::pipe}) {
+        const DayResult good = follow(day, day.samples, way);
+        REQUIRE(good.all_clear == 2 * sensors);
+        for (const auto& [name, down_for, set_by] :
+             {Restart{"monitor restarted", 60, 0}, {"restarted and its clock set 1 h ahead", 60, 3600},
+              {"restarted and its clock set 1 h back", 60, -3600},
+              {"restarted and its clock set a year back", 60, -3.15e7},
+              {"restarted at once", 0, 0}}) {
+            const double at = interval + middle - 2;
+            const RestartedDay day_found =
+                follow_restarted(day, day.samples, way, {at, at + down_for}, set_by);
+            const DayResult& found = day_found.found;
+            INFO("way ", static_cast<int>(way), ", ", sensors, " sensors\n", line_of(good));
+            CAPTURE(name);
+            CAPTURE(line_of(found));
+            CHECK(found.passages == good.passages);
+            CHECK(found.counts.received == good.counts.received);
+            CHECK(found.counts.waiting == 0);
+            CHECK(day_found.replayed.given == found.given);
+            CHECK(day_found.replayed.report == found.report);
+        }
+    }
+}
+
 } // namespace
 
 TEST_SUITE("monitoring/stream_faults") {
+    TEST_CASE("a monitor that is restarted, with its clock set meanwhile, gives the verdicts of one "
+              "that goes on, and its log gives them again to the bit: 1 and 4 sensors") {
+        check_restarts(1);
+        check_restarts(4);
+    }
+
     TEST_CASE("a fault that loses nothing changes no verdict, and none makes one greener: 1 and 4 "
               "sensors, three ways") {
         check_all(1);
@@ -217,6 +255,8 @@ TEST_SUITE("monitoring/stream_faults") {
 
 TEST_SUITE("slow") {
     TEST_CASE("faults of streams of 2 and 10 sensors") {
+        check_restarts(2);
+        check_restarts(10);
         check_all(2);
         check_all(10);
     }

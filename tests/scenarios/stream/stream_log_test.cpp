@@ -37,6 +37,23 @@ std::vector<LogEntry> entries_in(const fs::path& path) {
 } // namespace
 
 TEST_SUITE("stream/stream_log") {
+    TEST_CASE("a log says where its arrivals ended: the anchor of the last session, and what came "
+              "last") {
+        const TemporaryDirectory folder;
+        const fs::path path = folder / "log";
+        for (int session = 0; session < 2; ++session) {
+            StreamLog log(path, LoggedRecords::lines, no_limit);
+            CHECK(log.began() > 0);
+            log.add({Kind::line, 100.5 + session, {}, "{}"});
+            log.add({Kind::published, 900, "topic", "{}"});
+            log.add({Kind::line, no_arrival, {}, "{}"});
+        }
+        const ArrivalsBefore before = arrivals_in(path);
+        CHECK(before.last == 101.5);
+        CHECK(before.anchor == arrival_anchor());
+        CHECK(before.boot == boot_of_computer());
+    }
+
     TEST_CASE("a log gives back every entry with its bytes, flags and the bits of its arrival") {
         const TemporaryDirectory folder;
         const fs::path path = folder / "log";
