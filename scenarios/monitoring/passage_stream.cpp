@@ -124,11 +124,12 @@ bool PassageStream::was_final(double common) const {
 void PassageStream::leave_out_too_late() {
     for (auto& [id, sensor] : sensors_)
         std::erase_if(sensor.activities, [&](Activity& a) {
-            if (a.offset || a.passage != 0) return false;
+            if (a.offset) return false;
             const Gate::Offset o = gate_.offset(id, a.segment, a.own.end);
             if (o.basis == TimeBasis::unknown) return false;
             a.offset = o.seconds;
-            if (!was_final(0.5 * (a.own.begin + a.own.end) + o.seconds)) return false;
+            if (a.passage != 0 || !was_final(0.5 * (a.own.begin + a.own.end) + o.seconds))
+                return false;
             gate_.leave_out(LeftOut::too_late,
                             fmt::format("sensor {}: t = {:.10g} s", id, a.own.begin),
                             a.samples.size());

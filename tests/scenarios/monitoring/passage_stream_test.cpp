@@ -86,6 +86,33 @@ TEST_SUITE("monitoring/passage_stream") {
         CHECK(c.left_out == 0);
     }
 
+    TEST_CASE("records of a passage whose verdict is final are counted as too late, and make no "
+              "passage of their own") {
+        const TrainDay day = make_day(2, 2, 100, 1);
+        for (const bool is_long : {false, true}) {
+            std::vector<Sent> samples = day.samples;
+            std::size_t late = 0;
+            for (Sent& s : samples) { // of the first train, from 8 to 14 s
+                if (s.sensor == 2 || s.true_time < 11 || s.true_time > (is_long ? 13.5 : 11.5))
+                    continue;
+                s.arrival = 300 + 0.01 * s.true_time;
+                ++late;
+            }
+            std::ranges::stable_sort(samples, {}, &Sent::arrival);
+            PassageStreamSettings settings;
+            settings.late = is_long ? 60 : 21600; // the verdict is final, or all is there
+            const DayResult found = follow(day, samples, Way::pipe, settings);
+            CAPTURE(is_long);
+            CAPTURE(found.report);
+            CHECK(found.passages.size() == 2);
+            CHECK(late >= 100);
+            CHECK(found.report.find(fmt::format("{} records too late: ", late)) !=
+                  std::string::npos);
+            CHECK(found.counts.left_out == late);
+            CHECK(found.counts.waiting == 0);
+        }
+    }
+
     TEST_CASE("lines that cannot be used are counted by reason, and received = used + left out") {
         SensorInfo info;
         info.id = 4;
