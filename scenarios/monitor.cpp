@@ -211,12 +211,17 @@ public:
                                            : "broker " + m_.broker.client.address;
         }
         baseline_ = baseline.string();
-        baselines_ = baselines_of(read_passages(baseline, m_.columns, "--baseline"), settings_);
+        baselines_ = baselines_of(
+            [&](const auto& collect) {
+                for_each_passage(baseline, m_.columns, "--baseline", collect);
+            },
+            settings_);
         check_band(baselines_, settings_);
         if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
         log_.emplace(common_.out);
         if (m_.broker.client.address.empty() ? m_.stream.empty() : !m_.recordings.empty())
-            for (const Passage& p : read_passages(recordings, m_.columns, "--recordings")) take(p);
+            for_each_passage(recordings, m_.columns, "--recordings",
+                             [&](const Passage& p) { take(p); });
         else
             follow(baseline);
         finish();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace bris {
 
@@ -64,16 +65,15 @@ std::vector<SensorInfo> sensor_infos_in(const fs::path& folder, const std::strin
     return infos;
 }
 
-std::vector<Passage> read_passages(const fs::path& folder, const fs::path& columns,
-                                   const std::string& option) {
+void for_each_passage(const fs::path& folder, const fs::path& columns, const std::string& option,
+                      const std::function<void(Passage&&)>& take) {
     const std::vector<SensorInfo> infos = sensor_infos_in(folder, option);
     const fs::path map = map_to_use(columns, folder / "columns.txt");
     const CsvForm form = map.empty() ? CsvForm{} : naming("--columns", [&] {
         return read_column_map(map, recording_columns());
     });
-    std::vector<Passage> passages;
     for (const fs::path& of : folders_with_recordings(folder, option))
-        passages.push_back(naming(option, [&]() -> Passage {
+        take(naming(option, [&]() -> Passage {
             const fs::path hdf5 = of / "recordings.h5";
             if (fs::is_regular_file(hdf5))
                 return {name_of(of, folder),
@@ -83,6 +83,13 @@ std::vector<Passage> read_passages(const fs::path& folder, const fs::path& colum
                     fmt::format("expected files rock_NN.txt in '{}', found none", folder.string()));
             return {name_of(of, folder), read_recordings(of / "recordings.csv", infos, form)};
         }));
+}
+
+std::vector<Passage> read_passages(const fs::path& folder, const fs::path& columns,
+                                   const std::string& option) {
+    std::vector<Passage> passages;
+    for_each_passage(folder, columns, option,
+                     [&](Passage&& passage) { passages.push_back(std::move(passage)); });
     return passages;
 }
 

@@ -3,6 +3,7 @@
 #include "scenarios/recordings/recording.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct Passage {
 /// Throws InputError with file:line, and OutputError.
 std::vector<Passage> read_passages(const std::filesystem::path& folder,
                                    const std::filesystem::path& columns, const std::string& option);
+/// The same, one passage after the other, so that one is in memory at a time.
+void for_each_passage(const std::filesystem::path& folder, const std::filesystem::path& columns,
+                      const std::string& option, const std::function<void(Passage&&)>& take);
 
 /// The metadata rock_NN.txt of a folder, in order of id; empty if there are none. Throws
 /// InputError, OutputError.

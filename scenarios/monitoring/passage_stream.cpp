@@ -301,8 +301,13 @@ void PassageStream::give(const Group& group, bool is_final) {
             continue;
         }
         Samples all;
-        for (const auto& [of, activity] : group.members)
-            if (of == &sensor) all.merge(activity->samples);
+        for (const auto& [of, activity] : group.members) {
+            if (of != &sensor) continue;
+            if (is_final) // they are not needed any more
+                all.merge(std::move(activity->samples));
+            else
+                all.merge(activity->samples);
+        }
         (void)all.sort();
         given.passage.recordings.push_back(all.recording(sensor.info));
     }
@@ -314,11 +319,11 @@ void PassageStream::release(const Group& group) {
     std::uint64_t id = 0;
     for (const auto& [sensor, activity] : group.members) {
         id = activity->passage;
-        in_passages_ += activity->samples.size();
         activity->samples = {};
         activity->passage = 0;
         activity->own.end = activity->own.begin - 1; // marked
     }
+    in_passages_ += given_[id].samples;
     given_.erase(id);
     final_.insert(std::ranges::upper_bound(final_, group.time.begin, {}, &Interval::begin),
                   group.time);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace bris {
 
@@ -38,6 +39,14 @@ void Samples::widen(std::uint32_t wanted) {
     numbers_ = std::move(wider);
 }
 
+/// For one more row, without setting aside as much again, as vectors do.
+void Samples::make_room() {
+    const std::size_t rows = size();
+    if (numbers_.size() + stride_ > numbers_.capacity())
+        numbers_.reserve((rows + rows / 8 + 256) * stride_);
+    if (rows == states_.capacity()) states_.reserve(rows + rows / 8 + 256);
+}
+
 void Samples::add(const GatedRecord& record) {
     std::uint32_t sent = 1;
     if (record.count >= 0) sent |= 2;
@@ -50,6 +59,7 @@ void Samples::add(const GatedRecord& record) {
     whole(force, 3), whole(rate, 3), whole(field, 3), whole(attitude, 4);
     if (stride_ == 0 || (sent & ~has_) != 0) widen(sent);
     is_sorted_ = is_sorted_ && (empty() || record.t > time(size() - 1));
+    make_room();
     const std::size_t begin = numbers_.size();
     numbers_.resize(begin + stride_, nan);
     numbers_[begin] = record.t;
@@ -101,6 +111,10 @@ Samples Samples::extract(std::size_t begin, std::size_t end) {
     part.states_.assign(state(begin), state(end));
     numbers_.erase(row(begin), row(end));
     states_.erase(state(begin), state(end));
+    if (numbers_.capacity() > 2 * numbers_.size()) {
+        numbers_.shrink_to_fit();
+        states_.shrink_to_fit();
+    }
     return part;
 }
 
@@ -108,11 +122,19 @@ void Samples::merge(const Samples& other) {
     if (other.empty()) return;
     if (stride_ == 0 || (other.has_ & ~has_) != 0) widen(other.has_);
     for (std::size_t k = 0; k < other.size(); ++k) {
+        make_room();
         for (std::size_t c = 0; c < columns; ++c)
             if (column_[c] >= 0) numbers_.push_back(other.number(k, c));
         states_.push_back(other.state(k));
     }
     is_sorted_ = false;
+}
+
+void Samples::merge(Samples&& other) {
+    if (empty())
+        *this = std::exchange(other, {});
+    else
+        merge(std::as_const(other)), other = {};
 }
 
 std::size_t Samples::row_at(double t) const {
@@ -131,8 +153,13 @@ Recording Samples::recording(const SensorInfo& info) const {
     Recording r;
     r.info = info;
     const auto has = [&](std::size_t name) { return column_[name] >= 0; };
+    const auto room = [&](bool wanted, auto& channel) {
+        if (wanted) channel.reserve(size());
+    };
     bool counted = has(1);
     for (std::size_t k = 0; k < size(); ++k) counted = counted && number(k, 1) >= 0;
+    room(true, r.time), room(counted, r.sequence), room(has(force), r.force);
+    room(has(rate), r.rate), room(has(field), r.field), room(has(attitude), r.attitude);
     for (std::size_t k = 0; k < size(); ++k) {
         r.time.push_back(time(k));
         if (counted) r.sequence.push_back(static_cast<std::uint64_t>(number(k, 1)));

@@ -37,6 +37,7 @@ public:
     Samples extract(std::size_t begin, std::size_t end);
     /// Adds the rows of another set.
     void merge(const Samples& other);
+    void merge(Samples&& other);
     /// First row at or after a time.
     std::size_t row_at(double t) const;
     Recording recording(const SensorInfo& info) const;
@@ -46,6 +47,7 @@ private:
     static constexpr std::size_t force = 2, rate = 5, field = 8, attitude = 11, flags = 15,
                                  device = 16, columns = 18; // 0: time, 1: count
     void widen(std::uint32_t wanted);
+    void make_room();
     Vec3 vector(std::size_t row, std::size_t name) const {
         return {number(row, name), number(row, name + 1), number(row, name + 2)};
     }

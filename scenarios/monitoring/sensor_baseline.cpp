@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -21,7 +22,9 @@ double squared(double x) { return x * x; }
 /// What the passages that can be used contribute to the baseline of one sensor.
 struct Collected {
     std::vector<Vibration> vibrations;
-    std::vector<Recording> recorded;
+    std::vector<Beginnings> recorded;
+    std::vector<double> rates_per_force;
+    double rate = 0; // Hz
     RollPitchYaw rotation_squares;
     std::string refused_because;
 };
@@ -35,15 +38,17 @@ void collect(Collected& all, const Recording& r, const std::string& refusal,
         reason = fmt::format("{:.1f} % of the samples are missing", 100 * v.missing);
     if (reason.empty() && v.saturated > settings.largest_saturated)
         reason = fmt::format("{:.2f} % of the samples are saturated", 100 * v.saturated);
-    if (reason.empty() && !all.recorded.empty() &&
-        all.recorded.front().info.sampling_rate != r.info.sampling_rate)
+    if (reason.empty() && !all.recorded.empty() && all.rate != r.info.sampling_rate)
         reason = "its passages have different sampling rates";
     if (!reason.empty()) {
         if (all.refused_because.empty()) all.refused_because = reason;
         return;
     }
     all.vibrations.push_back(v);
-    all.recorded.push_back(r);
+    all.recorded.emplace_back(r);
+    all.rate = r.info.sampling_rate;
+    if (const double quotient = rate_per_force(r); std::isfinite(quotient))
+        all.rates_per_force.push_back(quotient);
     const RollPitchYaw rotation = rotation_rms(r);
     all.rotation_squares.roll += squared(rotation.roll);
     all.rotation_squares.pitch += squared(rotation.pitch);
@@ -76,17 +81,13 @@ std::vector<std::vector<double>> passing_runs(SensorBaseline& b, const Collected
 
 void estimate(SensorBaseline& b, const Collected& all, const MonitorSettings& settings) {
     b.passages = all.recorded.size();
-    b.rate = all.recorded.front().info.sampling_rate;
+    b.rate = all.rate;
     b.recorded = all.recorded;
     const double n = static_cast<double>(b.passages);
     b.rotation = {std::sqrt(all.rotation_squares.roll / n),
                   std::sqrt(all.rotation_squares.pitch / n),
                   std::sqrt(all.rotation_squares.yaw / n)};
-    std::vector<double> quotients;
-    for (const Recording& r : all.recorded)
-        if (const double quotient = rate_per_force(r); std::isfinite(quotient))
-            quotients.push_back(quotient);
-    if (!quotients.empty()) b.rate_per_force = median(std::move(quotients));
+    if (!all.rates_per_force.empty()) b.rate_per_force = median(all.rates_per_force);
     const auto runs = passing_runs(b, all, settings);
     std::size_t longest = 0;
     for (const auto& run : runs) longest = std::max(longest, run.size());
@@ -148,14 +149,43 @@ ChartPoints chart_points(const SensorBaseline& baseline, Runs runs,
     return points;
 }
 
+Beginnings::Beginnings(const Recording& recording) {
+    const auto hashes_of = [](const std::vector<Vec3>& samples) {
+        std::vector<std::uint64_t> found;
+        std::uint64_t hash = 0xcbf29ce484222325u;
+        for (std::size_t k = 0; k < samples.size(); ++k) {
+            for (const double x : {samples[k].x(), samples[k].y(), samples[k].z()})
+                hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x100000001b3u;
+            if (std::has_single_bit(k + 1)) found.push_back(hash);
+        }
+        return found;
+    };
+    force = hashes_of(recording.force);
+    rate = hashes_of(recording.rate);
+}
+
+bool Beginnings::are_those_of(const Beginnings& other) const {
+    const auto alike = [](const auto& a, const auto& b) {
+        const std::size_t n = std::min(a.size(), b.size());
+        return n > 0 && a[n - 1] == b[n - 1];
+    };
+    return alike(force, other.force) || alike(rate, other.rate);
+}
+
 std::vector<SensorBaseline> baselines_of(const std::vector<Passage>& passages,
                                          const MonitorSettings& settings) {
+    return baselines_of([&](const auto& take) { std::ranges::for_each(passages, take); }, settings);
+}
+
+std::vector<SensorBaseline>
+baselines_of(const std::function<void(const std::function<void(const Passage&)>&)>& each,
+             const MonitorSettings& settings) {
     std::map<unsigned, Collected> by_id;
-    for (const Passage& passage : passages) {
+    each([&](const Passage& passage) {
         const auto findings = findings_of(passage, settings);
         for (const Recording& r : passage.recordings)
             collect(by_id[r.info.id], r, refusal_of(findings, r.info.id), settings);
-    }
+    });
     std::vector<SensorBaseline> baselines;
     for (const auto& [id, all] : by_id) {
         SensorBaseline& b = baselines.emplace_back();

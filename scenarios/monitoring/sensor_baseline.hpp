@@ -7,6 +7,8 @@
 #include "scenarios/monitoring/passage.hpp"
 #include "scenarios/recordings/quality_control.hpp"
 
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,15 @@ struct MonitorSettings {
     void describe(auto& option);
 };
 
+/// Hashes of the first 1, 2, 4 ... samples of a recording, which tell it from others without it.
+struct Beginnings {
+    std::vector<std::uint64_t> force, rate;
+    explicit Beginnings(const Recording& recording);
+    /// Whether the forces or the rates of two recordings are the same to the last bit over at least
+    /// half of their common length.
+    bool are_those_of(const Beginnings& other) const;
+};
+
 /// What a sensor records where the ballast is known to be good.
 struct SensorBaseline {
     unsigned id = 0;
@@ -47,7 +58,7 @@ struct SensorBaseline {
     Spectrum spectrum;
     RollPitchYaw rotation;           ///< rad, root mean squares
     double rate_per_force = 0;       ///< rad/s per m/s2, median; see vibration.hpp
-    std::vector<Recording> recorded; ///< to find out if one of them is monitored
+    std::vector<Beginnings> recorded; ///< to find out if one of them is monitored
 };
 
 /// The baselines of all sensors in the passages, in order of their ids. Passages of a sensor that
@@ -55,6 +66,11 @@ struct SensorBaseline {
 /// no baseline, with the reason.
 std::vector<SensorBaseline> baselines_of(const std::vector<Passage>& passages,
                                          const MonitorSettings& settings);
+/// The same of passages that are read one after the other, of which one is in memory at a time.
+/// `each` calls its argument with every passage.
+std::vector<SensorBaseline>
+baselines_of(const std::function<void(const std::function<void(const Passage&)>&)>& each,
+             const MonitorSettings& settings);
 
 /// The points of the charts of some runs: means and logarithms of deviations of subgroups of
 /// residuals, in standard deviations of the baseline.

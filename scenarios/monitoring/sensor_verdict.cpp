@@ -13,17 +13,11 @@ namespace bris {
 
 namespace {
 
-/// Whether two series begin with the same values, to the last bit, over their common length.
-bool begin_alike(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-    const auto n = static_cast<std::ptrdiff_t>(std::min(a.size(), b.size()));
-    return n > 0 && std::equal(a.begin(), a.begin() + n, b.begin());
-}
-
 /// Whether a recording has the samples of one of the baseline.
 bool is_of_baseline(const Recording& r, const SensorBaseline& baseline) {
-    return std::ranges::any_of(baseline.recorded, [&](const Recording& other) {
-        return begin_alike(r.force, other.force) || begin_alike(r.rate, other.rate);
-    });
+    const Beginnings own(r);
+    return std::ranges::any_of(baseline.recorded,
+                               [&](const Beginnings& other) { return own.are_those_of(other); });
 }
 
 /// Length (s) of the runs that are long enough for a point of the charts.
