@@ -51,7 +51,7 @@ const char* text_of(LeftOut reason) {
     return "";
 }
 
-double Clock::Segment::offset_at(double t) const {
+double SensorClock::Segment::offset_at(double t) const {
     if (!confirmed) return std::numeric_limits<double>::quiet_NaN();
     double nearest = *envelope, distance = std::abs(t - last);
     for (const auto& [at, value] : envelopes)
@@ -62,20 +62,30 @@ double Clock::Segment::offset_at(double t) const {
     return nearest;
 }
 
-bool Clock::Segment::is_too_short() const { return period > 0 && largest_lag >= 0.5 * period; }
+bool SensorClock::Segment::is_too_short() const {
+    return period > 0 && largest_lag >= 0.5 * period;
+}
 
-Clock::Clock(double rate) : rate_(rate) {}
+SensorClock::SensorClock(double rate) : rate_(rate) {}
 
-double Clock::near_of(double spacing) const {
+double SensorClock::near_of(double spacing) const {
     return std::max({shortest_near, near_samples / rate_, near_samples * spacing});
 }
 
-const Clock::Segment* Clock::segment(std::size_t number) const {
+const SensorClock::Segment* SensorClock::segment(std::size_t number) const {
     const auto found = std::ranges::find(segments_, number, &Segment::number);
     return found == segments_.end() ? nullptr : &*found;
 }
 
-bool Clock::was_used(const Reading& r) const {
+bool SensorClock::has_recorded(double t) const {
+    return std::ranges::any_of(segments_, [&](const Segment& s) {
+        return std::ranges::any_of(s.covered, [&](const auto& range) {
+            return range.first <= t + s.turns && t + s.turns <= range.second;
+        });
+    });
+}
+
+bool SensorClock::was_used(const Reading& r) const {
     const auto is_it = [&](const Known& k) { return k.t == r.t && k.content == r.content; };
     return std::any_of(recent_.begin(),
                        recent_.begin() +
@@ -84,7 +94,7 @@ bool Clock::was_used(const Reading& r) const {
            std::ranges::any_of(by_second_, is_it);
 }
 
-Clock::Decision Clock::take(const Reading& r) {
+SensorClock::Decision SensorClock::take(const Reading& r) {
     if (!segments_.empty()) {
         if (const auto decided = follows(segments_.back(), r, true)) return *decided;
         for (std::size_t k = segments_.size() - 1; k-- > 0;)
@@ -95,7 +105,8 @@ Clock::Decision Clock::take(const Reading& r) {
 
 /// Whether a record goes on with a segment, or fills a gap in it, or is known; nothing: it may be
 /// anything.
-std::optional<Clock::Decision> Clock::follows(Segment& s, const Reading& r, bool is_current) {
+std::optional<SensorClock::Decision> SensorClock::follows(Segment& s, const Reading& r,
+                                                          bool is_current) {
     const double t = r.t + s.turns, ahead = t - s.last;
     const Decision kept{.record = Action::keep, .segment = s.number, .turns = s.turns};
     if (ahead > 0) {
@@ -120,7 +131,7 @@ std::optional<Clock::Decision> Clock::follows(Segment& s, const Reading& r, bool
     return late;
 }
 
-void Clock::enter(Segment& s, const Reading& r) {
+void SensorClock::enter(Segment& s, const Reading& r) {
     const double t = r.t + s.turns;
     if (t > s.last) {
         const double gap = t - s.last;
@@ -167,7 +178,7 @@ void Clock::enter(Segment& s, const Reading& r) {
 }
 
 /// The lower envelope of arrival less own time, which may rise by the largest drift.
-void Clock::set_envelope(Segment& s, double t, double lag) const {
+void SensorClock::set_envelope(Segment& s, double t, double lag) const {
     if (!s.envelope) {
         s.envelope = s.support = lag;
         s.support_t = t;
@@ -199,7 +210,7 @@ void Clock::set_envelope(Segment& s, double t, double lag) const {
 }
 
 /// Holds a record in the chain that it continues, or in one of its own.
-Clock::Decision Clock::hold(const Reading& r) {
+SensorClock::Decision SensorClock::hold(const Reading& r) {
     const double near = near_of(segments_.empty() ? 0 : segments_.back().spacing);
     for (Chain& chain : chains_) {
         const Reading& last = chain.readings.back();
@@ -223,7 +234,7 @@ Clock::Decision Clock::hold(const Reading& r) {
 }
 
 /// The period by which the clock has wrapped, if it has, before a time that is held.
-std::optional<double> Clock::wrap_of(const Segment& s, double t) const {
+std::optional<double> SensorClock::wrap_of(const Segment& s, double t) const {
     const auto fits = [&](double period) {
         const double ahead = t + s.turns + period - s.last;
         return ahead > 0 && ahead <= near_of(s.spacing) && t >= -1e-6 && t < near_of(s.spacing) &&
@@ -235,7 +246,7 @@ std::optional<double> Clock::wrap_of(const Segment& s, double t) const {
 }
 
 /// What the records of a chain are: they agree with each other, and not with those before.
-Clock::Decision Clock::decide(Chain& chain) {
+SensorClock::Decision SensorClock::decide(Chain& chain) {
     const Reading &first = chain.readings.front(), &last = chain.readings.back();
     if (segments_.empty()) return adopt(chain, begin(chain, false), true, false);
     Segment& s = segments_.back();
@@ -277,7 +288,7 @@ Clock::Decision Clock::decide(Chain& chain) {
     return adopt(chain, begin(chain, true), true, was_stored);
 }
 
-Clock::Decision Clock::adopt(Chain& chain, Segment& s, bool begins, bool is_late) {
+SensorClock::Decision SensorClock::adopt(Chain& chain, Segment& s, bool begins, bool is_late) {
     const Decision all{.record = Action::keep,
                        .chain = chain.number,
                        .held = Action::keep,
@@ -289,14 +300,14 @@ Clock::Decision Clock::adopt(Chain& chain, Segment& s, bool begins, bool is_late
     return all;
 }
 
-Clock::Decision Clock::drop(const Chain& chain, LeftOut reason) {
+SensorClock::Decision SensorClock::drop(const Chain& chain, LeftOut reason) {
     return {.record = Action::leave_out,
             .chain = chain.number,
             .held = Action::leave_out,
             .reason = reason};
 }
 
-Clock::Segment& Clock::begin(const Chain& chain, bool went_back) {
+SensorClock::Segment& SensorClock::begin(const Chain& chain, bool went_back) {
     if (segments_.size() == most_segments) segments_.erase(segments_.begin());
     const auto& readings = chain.readings;
     Segment& s = segments_.emplace_back();
