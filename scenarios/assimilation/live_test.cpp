@@ -18,9 +18,6 @@ namespace bris {
 
 namespace {
 
-// of the machine's strain while time goes on
-constexpr double largest_step_back = 5e-4;
-constexpr std::ptrdiff_t most_wrong_times = 2;
 constexpr double same_strain = 1e-9;    // tolerance of comparisons of axial strain
 constexpr std::size_t most_kinds = 40;  // of faults that are listed apart
 constexpr std::size_t fewest_times = 3; // number of differences from which a clock is judged
@@ -171,16 +168,22 @@ void LiveTest::take_of_sensor(StreamRecord record) {
 /// Keeps the records that pass the gate with this one. A copy never passes, however old it is.
 void LiveTest::pass_gate(StreamRecord record, SensorRecords& sensor) {
     const auto id = static_cast<unsigned>(record.number("id"));
+    ++sensor.received;
     const SensorSample* known = sensor.recorded_at(record.number("t"));
     if (known != nullptr && same_numbers(*known, sample_of(record))) {
         ++sensor.twice;
         return gate_.leave_out(LeftOut::again, fmt::format("line {}: sensor {}: t = {:.10g} s",
                                                            record.line, id, record.number("t")));
     }
+    if (known == nullptr && sensor.add_between(record, times_.last_t_at(record.line))) {
+        sensor.late +=
+            static_cast<std::uint64_t>(record.number("strain") < followed_ - same_strain);
+        return;
+    }
     const std::uint64_t again = gate_.accounts().count(LeftOut::again);
     for (const GatedRecord& passed : gate_.take(std::move(record))) {
         const double strain = passed.record.number("strain");
-        if (!sensor.add(passed, machine_t_at(passed.record.line))) {
+        if (!sensor.add(passed, times_.last_t_at(passed.record.line))) {
             gate_.leave_out(LeftOut::contradiction, fmt::format("line {}: sensor {}: t = {:.10g} s",
                                                                 passed.record.line, id, passed.t));
             continue;
@@ -189,13 +192,6 @@ void LiveTest::pass_gate(StreamRecord record, SensorRecords& sensor) {
         sensor.update(gate_, id, passed.segment);
     }
     sensor.twice += gate_.accounts().count(LeftOut::again) - again;
-}
-
-/// The machine's last t when a line arrived; NaN: none.
-double LiveTest::machine_t_at(std::uint64_t line) const {
-    const auto after =
-        std::ranges::upper_bound(machine_t_, line, {}, &std::pair<std::uint64_t, double>::first);
-    return after == machine_t_.begin() ? std::nan("") : std::prev(after)->second;
 }
 
 /// Reports entries that are not valid numbers. They are stored as they are and left to quality
@@ -245,74 +241,36 @@ void LiveTest::accept(const StreamRecord& record) {
             fmt::format("line {}: the machine sent axial_strain = {} before; the first record is "
                         "used",
                         record.line, strain));
-    if (std::isfinite(record.number("t"))) enter_time(record, strain);
-    const double phase = record.number("phase");
-    if (!std::isfinite(phase)) return;
-    const auto last = clock_.by_phase.rbegin();
-    if (last == clock_.by_phase.rend() || phase >= last->first || strain < last->second)
-        clock_.by_phase.emplace(phase, strain);
-    else
+    if (const double t = record.number("t");
+        std::isfinite(t) && !times_.enter_time(t, strain, taken_))
+        note("machine's t", fmt::format("line {}: the machine: t: expected a time after "
+                                        "those of smaller strains, found {}",
+                                        record.line, t));
+    if (const double phase = record.number("phase");
+        std::isfinite(phase) && !times_.enter_phase(phase, strain))
         note("phase", fmt::format("line {}: the machine's phase: expected increasing numbers, "
                                   "found {:.4g} after {:.4g}",
-                                  record.line, phase, last->first));
-}
-
-/// Enters the time at which the machine had a strain. Strain and time increase together: a record
-/// that contradicts many others has a wrong time, one or two that contradict it have had one.
-void LiveTest::enter_time(const StreamRecord& record, double strain) {
-    const double t = record.number("t");
-    auto& times = clock_.by_time;
-    const auto later = times.upper_bound(t);
-    auto first = later, last = later;
-    while (first != times.begin() && std::prev(first)->second > strain + largest_step_back) --first;
-    while (last != times.end() && last->second < strain - largest_step_back) ++last;
-    if (std::distance(first, last) > most_wrong_times)
-        return note("machine's t", fmt::format("line {}: the machine: t: expected a time after "
-                                               "those of smaller strains, found {}",
-                                               record.line, t));
-    times.erase(first, last);
-    times.emplace(t, strain);
-    machine_t_.emplace_back(taken_, times.rbegin()->first);
+                                  record.line, phase, times_.last_phase()));
 }
 
 /// Axial strain of a sample by its own strain or phase; NaN: it has neither.
 double LiveTest::own_strain(const SensorSample& sample) const {
     if (sample.has(in_sample::strain)) return sample.numbers[in_sample::strain];
-    if (sample.has(in_sample::phase) && !clock_.by_phase.empty())
-        return strain_between(clock_.by_phase, sample.numbers[in_sample::phase]);
+    if (sample.has(in_sample::phase) && !times_.strain_at().by_phase.empty())
+        return strain_between(times_.strain_at().by_phase, sample.numbers[in_sample::phase]);
     return std::nan("");
 }
 
 double LiveTest::strain_of(double t, const SensorSample& sample) const {
-    const bool has_own =
-        sample.has(in_sample::strain) || (sample.has(in_sample::phase) && !clock_.by_phase.empty());
-    return has_own ? own_strain(sample) : strain_between(clock_.by_time, t);
-}
-
-/// The machine's time at a strain, interpolated; NaN: it has no clock, or is not there yet.
-double LiveTest::time_at(double strain) const {
-    const auto after = machine_.lower_bound(strain - same_strain);
-    if (after == machine_.end()) return std::nan("");
-    const double t = after->second.number("t");
-    if (after->first <= strain + same_strain || after == machine_.begin()) return t;
-    const auto before = std::prev(after);
-    const double share = (strain - before->first) / (after->first - before->first);
-    return t - (1 - share) * (t - before->second.number("t"));
-}
-
-/// s between records of the machine; NaN: it has no clock.
-double LiveTest::step_of_machine() const {
-    std::vector<double> steps;
-    for (auto at = clock_.by_time.begin();
-         at != clock_.by_time.end() && std::next(at) != clock_.by_time.end(); ++at)
-        steps.push_back(std::next(at)->first - at->first);
-    return steps.empty() ? std::nan("") : median(std::move(steps));
+    const bool has_own = sample.has(in_sample::strain) ||
+                         (sample.has(in_sample::phase) && !times_.strain_at().by_phase.empty());
+    return has_own ? own_strain(sample) : strain_between(times_.strain_at().by_time, t);
 }
 
 LiveTest::Timelines LiveTest::timelines() const {
     TestTimes times{.own_strain = [this](const SensorSample& one) { return own_strain(one); },
-                    .time_at = [this](double strain) { return time_at(strain); }};
-    const double step = step_of_machine();
+                    .time_at = [this](double strain) { return times_.time_at(strain); }};
+    const double step = times_.step();
     Timelines all;
     for (const SensorInfo& info : infos_) {
         times.uncertain = uncertain(info, step);
@@ -384,7 +342,7 @@ std::optional<double> LiveTest::clock_ahead(const SensorInfo& info,
 /// these cases are reported, not refused.
 void LiveTest::check_clocks(RecordedTest& test, const Timelines& timelines) const {
     std::vector<double> of_all;
-    const double step = step_of_machine();
+    const double step = times_.step();
     for (const auto& [id, timeline] : timelines)
         if (timeline.ahead.size() >= fewest_times) of_all.push_back(median(timeline.ahead));
     for (std::size_t k = 0; k < test.recordings.size(); ++k) {
@@ -394,7 +352,7 @@ void LiveTest::check_clocks(RecordedTest& test, const Timelines& timelines) cons
         bool needed = false;        // whether a record's strain is found by t
         for (const PlacedSample& one : timeline.samples) {
             if (one.sample->has(in_sample::strain)) continue;
-            if (one.sample->has(in_sample::phase) && !clock_.by_phase.empty())
+            if (one.sample->has(in_sample::phase) && !times_.strain_at().by_phase.empty())
                 phases.push_back(one.sample->numbers[in_sample::phase]);
             else
                 needed = true;
@@ -407,6 +365,10 @@ void LiveTest::check_clocks(RecordedTest& test, const Timelines& timelines) cons
             test.trajectories[k] = {};
         };
         if (const auto reason = reason_against_phases(phases)) refuse(*reason);
+        if (gate_.passed(info.id) == 0 && sensors_.at(info.id).received > 0)
+            refuse(fmt::format("expected records whose times follow each other, at {:.4g} samples "
+                               "a second (sampling_rate), found none",
+                               info.sampling_rate));
         if (timeline.of_unknown_time > 0) {
             const auto text = unknown_times(timeline);
             if (std::ranges::none_of(test.recordings[k].strain, [](double e) { return e > 0; }))
@@ -415,16 +377,16 @@ void LiveTest::check_clocks(RecordedTest& test, const Timelines& timelines) cons
                 test.findings.push_back({Finding::Kind::note, info.id, "clock", text});
         }
         const bool none = needed && test.recordings[k].size() == 0;
-        if (none && clock_.by_time.empty())
+        if (none && times_.strain_at().by_time.empty())
             refuse("expected strain in its records, or t in the machine's, found neither");
         if (std::isnan(step) || timeline.samples.empty()) continue;
         const auto by_strain = clock_ahead(info, timeline);
         if (!by_strain && timeline.ahead.size() < fewest_times && !none) continue;
-        const double ahead =
-            by_strain ? *by_strain
-            : timeline.ahead.empty()
-                ? timeline.samples.front().t - info.clock_offset - clock_.by_time.begin()->first
-                : median(timeline.ahead);
+        const double ahead = by_strain ? *by_strain
+                             : timeline.ahead.empty()
+                                 ? timeline.samples.front().t - info.clock_offset -
+                                       times_.strain_at().by_time.begin()->first
+                                 : median(timeline.ahead);
         const double limit = uncertain(info, step);
         if (std::abs(ahead) <= limit) continue;
         const auto text =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/io/line_source.hpp"
+#include "scenarios/assimilation/machine_times.hpp"
 #include "scenarios/assimilation/machine_track.hpp"
 #include "scenarios/assimilation/sensor_records.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
@@ -70,17 +71,13 @@ private:
     void pass_gate(StreamRecord record, SensorRecords& sensor);
     void take_of_machine(const StreamRecord& record);
     void accept(const StreamRecord& record);
-    void enter_time(const StreamRecord& record, double strain);
     void wait_for_its_time(StreamRecord& record);
     void end(const std::string& why);
     void note_far_off(const StreamRecord& record, const char* who, double strain);
     void note(const std::string& kind, const std::string& text);
     void look_for_numbers(const StreamRecord& record);
-    double machine_t_at(std::uint64_t line) const;
-    double time_at(double strain) const;
     double own_strain(const SensorSample& sample) const;
     double strain_of(double t, const SensorSample& sample) const;
-    double step_of_machine() const;
     using Timelines = std::map<unsigned, SensorTimeline>;
     Timelines timelines() const;
     RecordedTest test_of(const Timelines& timelines) const;
@@ -96,9 +93,8 @@ private:
     LiveSettings settings_;
     Gate gate_;
     std::map<unsigned, SensorRecords> sensors_;
-    std::map<double, StreamRecord> machine_;                  // by axial strain
-    MachineClock clock_;                                      // strain by the machine's t and phase
-    std::vector<std::pair<std::uint64_t, double>> machine_t_; // line, and its last t from there on
+    std::map<double, StreamRecord> machine_; // by axial strain
+    MachineTimes times_;
     // number and first message of each kind of problem
     std::map<std::string, std::pair<std::uint64_t, std::string>> notes_;
     MachineTrack track_;

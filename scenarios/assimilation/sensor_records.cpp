@@ -141,6 +141,34 @@ bool SensorRecords::add(const GatedRecord& record, double machine_t) {
     return true;
 }
 
+bool SensorRecords::add_between(const StreamRecord& record, double machine_t) {
+    if (segments_.empty()) return false;
+    Segment& segment = segments_.rbegin()->second;
+    const double t = record.number("t") + segment.turns;
+    const auto after = segment.by_time.upper_bound(t);
+    if (after == segment.by_time.begin() || after == segment.by_time.end()) return false;
+    const SensorSample &earlier = std::prev(after)->second, &later = after->second;
+    SensorSample sample = sample_of(record);
+    const auto is_between = [&](std::size_t number) {
+        return sample.has(number) && earlier.numbers[number] < sample.numbers[number] &&
+               sample.numbers[number] < later.numbers[number];
+    };
+    const bool fits = !sample.has(in_sample::strain) || !earlier.has(in_sample::strain) ||
+                      !later.has(in_sample::strain) ||
+                      (earlier.numbers[in_sample::strain] <= sample.numbers[in_sample::strain] &&
+                       sample.numbers[in_sample::strain] <= later.numbers[in_sample::strain]);
+    if (!fits) return false; // as after a restart of both
+    if (!is_between(sample.has(in_sample::sequence) ? in_sample::sequence : in_sample::strain))
+        return false;
+    if (earlier.count >= 0 && sample.has(in_sample::sequence))
+        sample.count = earlier.count + std::llround(sample.numbers[in_sample::sequence] -
+                                                    earlier.numbers[in_sample::sequence]);
+    sent_ |= sample.sent;
+    segment.by_time.emplace(t, std::move(sample));
+    if (std::isfinite(machine_t)) segment.ahead.push_back(t - clock_offset_ - machine_t);
+    return true;
+}
+
 const SensorSample* SensorRecords::recorded_at(double raw_t) const {
     for (auto s = segments_.rbegin(); s != segments_.rend(); ++s) {
         const auto found = s->second.by_time.find(raw_t + s->second.turns);

@@ -86,13 +86,17 @@ public:
     /// The sample that was recorded at this time by the present clock, or by one before; null:
     /// none.
     const SensorSample* recorded_at(double raw_t) const;
+    /// Adds a record of the present clock that comes late between two others, if its count, or else
+    /// its strain, is between theirs: where records are irregular, their times do not tell that one
+    /// is missing. Returns false if it is not such a record.
+    bool add_between(const StreamRecord& record, double machine_t);
     /// Looks up what the gate knows of a segment by now.
     void update(const Gate& gate, unsigned id, std::size_t segment);
     SensorTimeline timeline(const TestTimes& times) const;
     /// Bits of the numbers sent in any of them.
     std::uint64_t sent() const { return sent_; }
 
-    std::uint64_t late = 0, twice = 0;
+    std::uint64_t received = 0, late = 0, twice = 0;
 
 private:
     struct Segment {

@@ -16,6 +16,7 @@ constexpr double shortest_near = 10; // s, and so many samples, that may lie bet
 constexpr double near_samples = 20;  // that follow each other
 constexpr double long_gap = 3600;    // s; without arrivals a longer one begins a segment
 constexpr std::size_t agreeing = 3;  // records
+constexpr double exchanged = 3;      // samples by which the first records may be out of order
 constexpr double deciding = 2;       // s of own time that tell stored from live records
 constexpr double between_envelopes = 600; // s
 constexpr std::size_t most_envelopes = 64, most_covered = 4096, most_segments = 8;
@@ -213,11 +214,17 @@ void SensorClock::set_envelope(Segment& s, double t, double lag) const {
 SensorClock::Decision SensorClock::hold(const Reading& r) {
     const double near = near_of(segments_.empty() ? 0 : segments_.back().spacing);
     for (Chain& chain : chains_) {
-        const Reading& last = chain.readings.back();
-        if (r.t == last.t && r.content == last.content)
+        const auto at = std::ranges::lower_bound(chain.readings, r.t, {}, &Reading::t);
+        const bool is_known = at != chain.readings.end() && at->t == r.t;
+        if (is_known && at->content == r.content)
             return {.record = Action::leave_out, .reason = LeftOut::again};
-        if (!(r.t > last.t && r.t - last.t <= near)) continue;
-        chain.readings.push_back(r);
+        const double ahead = r.t - chain.readings.back().t;
+        const bool follows = ahead > 0 && ahead <= near;
+        // the first records of all may have changed places on their way
+        const bool is_behind =
+            segments_.empty() && !is_known && ahead < 0 && ahead >= -exchanged / rate_;
+        if (!follows && !is_behind) continue;
+        chain.readings.insert(at, r);
         if (chain.readings.size() < agreeing) return {.chain = chain.number};
         const Decision decided = decide(chain);
         if (decided.held != Action::hold)
@@ -243,6 +250,15 @@ std::optional<double> SensorClock::wrap_of(const Segment& s, double t) const {
     for (const double period : periods)
         if (fits(period)) return period;
     return {};
+}
+
+/// Whether records that arrive as they are recorded are later than a wrap would have them: then the
+/// clock has begun again, by chance near its period.
+bool SensorClock::is_delayed(const Chain& chain, const Segment& s, double period) const {
+    const Reading &first = chain.readings.front(), &last = chain.readings.back();
+    if (!s.confirmed || !std::isfinite(last.arrival)) return false;
+    const bool is_live = last.arrival - first.arrival >= 0.5 * (last.t - first.t);
+    return is_live && last.arrival - last.t - s.turns - period > *s.envelope + scatter;
 }
 
 /// What the records of a chain are: they agree with each other, and not with those before.
@@ -272,7 +288,7 @@ SensorClock::Decision SensorClock::decide(Chain& chain) {
         ++restarts_;
         return adopt(chain, begin(chain, false), true, false);
     }
-    if (const auto period = wrap_of(s, first.t)) {
+    if (const auto period = wrap_of(s, first.t); period && !is_delayed(chain, s, *period)) {
         ++wraps_;
         s.period = *period;
         s.turns += *period;

@@ -112,6 +112,7 @@ private:
     void enter(Segment& s, const Reading& r);
     void set_envelope(Segment& s, double t, double lag) const;
     std::optional<double> wrap_of(const Segment& s, double t) const;
+    bool is_delayed(const Chain& chain, const Segment& s, double period) const;
     double near_of(double spacing) const;
 
     double rate_;
