@@ -136,7 +136,8 @@ void SensorClock::enter(Segment& s, const Reading& r) {
     const double t = r.t + s.turns;
     if (t > s.last) {
         const double gap = t - s.last;
-        if (gap < 5 * s.spacing) s.spacing += 0.1 * (gap - s.spacing);
+        // a longer gap may be one of records that come late
+        if (gap < 5 * s.spacing) s.spacing += 0.1 * (std::min(gap, 1.5 * s.spacing) - s.spacing);
         if (gap <= 1.5 * s.spacing && !s.covered.empty())
             s.covered.back().second = t;
         else
@@ -331,7 +332,12 @@ SensorClock::Segment& SensorClock::begin(const Chain& chain, bool went_back) {
     s.went_back = went_back;
     s.first = readings.front().t;
     s.last = s.first - 1 / rate_;
-    s.spacing = (readings.back().t - s.first) / static_cast<double>(readings.size() - 1);
+    std::vector<double> gaps; // some may be those of records that come late
+    for (std::size_t k = 1; k < readings.size(); ++k)
+        gaps.push_back(readings[k].t - readings[k - 1].t);
+    const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+    std::ranges::nth_element(gaps, middle);
+    s.spacing = *middle;
     return s;
 }
 
