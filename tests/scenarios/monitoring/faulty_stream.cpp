@@ -129,7 +129,7 @@ DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
     std::optional<GivenLink> link;
     if (way == Way::broker) {
         link.emplace(messages_of(samples));
-        lines = std::make_unique<BrokerLines>(*link, day.infos, BrokerLines::Order::judged_by_gate);
+        lines = std::make_unique<BrokerLines>(*link, day.infos);
     } else {
         std::deque<Lines::Line> given;
         for (const Sent& s : samples)
