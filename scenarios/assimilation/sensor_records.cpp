@@ -81,11 +81,16 @@ private:
     void place(std::size_t k) {
         auto shift = shift_of(k);
         if (shift && k > 0 && shifts_[k - 1])
-            if (const double overlap =
-                    segments_[k - 1].last + *shifts_[k - 1] - segments_[k].first - *shift;
-                overlap >= 0 && overlap <= tolerance_)
-                *shift += overlap + shortest_step;
+            *shift += needed(segments_[k - 1].last + *shifts_[k - 1], segments_[k].first + *shift);
+        else if (shift && k + 1 < segments_.size() && shifts_[k + 1])
+            *shift -= needed(segments_[k].last + *shift, segments_[k + 1].first + *shifts_[k + 1]);
         if (shift && is_free(k, *shift)) shifts_[k] = shift;
+    }
+
+    /// s by which two segments have to be moved apart; 0 also where they are too far in each other.
+    double needed(double end, double begin) const {
+        const double overlap = end - begin;
+        return overlap >= 0 && overlap <= tolerance_ ? overlap + shortest_step : 0;
     }
 
     std::optional<double> shift_of(std::size_t k) const {

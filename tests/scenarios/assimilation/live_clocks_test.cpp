@@ -279,4 +279,135 @@ TEST_SUITE("assimilation/live_test") {
         CHECK(test->so_far().trajectories[disturbed - 1].strain.empty());
         CHECK(says(*test, "sensor 2: refused: clock: expected strain in its records"));
     }
+
+    TEST_CASE("other numbers at a time that was sent before are left out and counted, and copies "
+              "are, however old they are") {
+        const Disturbance d;
+        auto lines = d.lines();
+        std::vector<StreamLine> of_sensor;
+        for (const StreamLine& line : lines)
+            if (number_in(line.text, "id") == disturbed) of_sensor.push_back(line);
+        StreamLine other = of_sensor[80];
+        other.text = with_number(other.text, "ax", 3);
+        other.arrival = lines.back().arrival;
+        lines.insert(lines.end() - 1, {other, of_sensor[3], of_sensor[100]});
+        lines[lines.size() - 2].arrival = lines[lines.size() - 3].arrival = other.arrival;
+        const auto test = d.test(lines);
+        check_undisturbed(d, *test);
+        CHECK(says(*test, "1 record with other numbers at a time that was recorded before: line "));
+        CHECK(says(*test, "2 records sent again: line "));
+        CHECK(says(*test, "late, 2 sent again"));
+    }
+
+    TEST_CASE("records that come late are used, also where their times are irregular") {
+        for (const char* dropped : {"nothing", "strain", "seq"}) {
+            CAPTURE(dropped);
+            const Disturbance d{.strain = dropped != std::string("strain"),
+                                .clock = [](double t) { return t + 0.4 * std::sin(7.3 * t); }};
+            auto ordered = d.lines();
+            if (dropped == std::string("seq"))
+                for (StreamLine& line : ordered) line.text = without(line.text, "seq");
+            auto lines = ordered;
+            std::vector<std::size_t> places;
+            for (std::size_t k = 0; k < lines.size(); ++k)
+                if (number_in(lines[k].text, "id") == disturbed) places.push_back(k);
+            std::swap(lines[places[0]].text, lines[places[1]].text); // the first ones, too
+            for (std::size_t k = 60; k + 7 < places.size(); k += 7)
+                std::swap(lines[places[k]].text, lines[places[k + 2]].text);
+            const auto expected = d.test(ordered)->so_far(), found = d.test(lines)->so_far();
+            CHECK(found.refused() == 0);
+            CHECK(found.recordings[disturbed - 1].time == expected.recordings[disturbed - 1].time);
+            CHECK(found.trajectories[disturbed - 1].displacement ==
+                  expected.trajectories[disturbed - 1].displacement);
+        }
+    }
+
+    TEST_CASE("a clock that begins again near the period of another clock has not wrapped, as its "
+              "arrivals tell") {
+        // it is off for 36 s; a clock of 16 bits of ms would have wrapped within 15 s
+        const Disturbance undisturbed{.strain = false, .begin = -47},
+            d{.strain = false, .begin = -47, .clock = [](double t) { return t < 53 ? t : t - 87; }};
+        const auto recording_of = [](const Disturbance& one) {
+            auto lines = one.lines();
+            std::erase_if(lines, [](const StreamLine& line) {
+                const double t = line.arrival - 1.7e9;
+                return number_in(line.text, "id") == disturbed &&
+                       (t < 48.5 || (t > 99.5 && t < 136));
+            });
+            return one.test(lines)->so_far().recordings[disturbed - 1];
+        };
+        const Recording found = recording_of(d), expected = recording_of(undisturbed);
+        REQUIRE(expected.size() > 75);
+        REQUIRE(found.size() == expected.size());
+        for (std::size_t k = 0; k < found.size(); ++k) {
+            CHECK(std::abs(found.time[k] - expected.time[k]) < 0.02);
+            CHECK(std::abs(found.strain[k] - expected.strain[k]) < 2e-6);
+        }
+    }
+
+    TEST_CASE("a sensor whose records are too far apart for its sampling rate is refused with both "
+              "numbers") {
+        auto infos = steady_stream().infos;
+        for (SensorInfo& info : infos)
+            if (info.id == disturbed) info.sampling_rate = 1000;
+        Disturbance d;
+        auto lines = d.lines();
+        std::size_t place = 0;
+        std::erase_if(lines, [&](const StreamLine& line) {
+            return number_in(line.text, "id") == disturbed && ++place % 10 != 0;
+        });
+        LiveTest test(std::make_unique<ArrivedLines>(lines), infos, {.timeout = 2});
+        (void)test.follow_to(1);
+        CHECK(test.so_far().refused() == 1);
+        CHECK(says(test, "sensor 2: refused: clock: expected records whose times follow each "
+                         "other, at 1000 samples a second (sampling_rate), found none"));
+    }
+
+    TEST_CASE("a test with a clock that begins again is the same from its log, at every strain") {
+        TemporaryDirectory folder;
+        const Disturbance d{.strain = false,
+                            .clock = [](double t) { return t < middle ? t : t - middle; }};
+        const auto read = [&](std::unique_ptr<Lines> lines) {
+            std::vector<std::vector<double>> strains;
+            LiveTest test(std::move(lines), steady_stream().infos, {.timeout = 2});
+            for (int k = 0; k <= 20; ++k) {
+                (void)test.follow_to(5e-4 * k);
+                strains.push_back(test.so_far().recordings[disturbed - 1].strain);
+            }
+            return std::pair{strains, test.report()};
+        };
+        const auto live = read(std::make_unique<LoggedLines>(
+            std::make_unique<ArrivedLines>(d.lines()),
+            std::make_shared<StreamLog>(folder / "log", LoggedRecords::lines,
+                                        std::uint64_t{1} << 30)));
+        const auto again = read(open_lines(folder / "log"));
+        CHECK(live.first == again.first);
+        CHECK(live.second == again.second);
+        CHECK(live.first.back().size() > 140);
+    }
+}
+
+TEST_SUITE("assimilation/sensor_records") {
+    TEST_CASE("segments of a clock are placed by strain, else by arrival, else not at all, and do "
+              "not overlap") {
+        SegmentEvidence first{.first = 0, .last = 100}, second{.first = 0, .last = 50};
+        using Shifts = std::vector<std::optional<double>>;
+        CHECK(shifts_of({first}, 7, 5) == Shifts{0});
+        CHECK(shifts_of({first, second}, 7, 5) == Shifts{0, std::nullopt});
+        first.offset_at_last = 1000;
+        second.offset_at_first = 1120;
+        CHECK(shifts_of({first, second}, 7, 5) == Shifts{0, 120});
+        second.offset_at_first = 1097; // it overlaps by 3 s
+        CHECK(*shifts_of({first, second}, 7, 5)[1] == about(100.01));
+        second.offset_at_first = 1090; // by more than can be
+        CHECK(shifts_of({first, second}, 7, 5) == Shifts{0, std::nullopt});
+        first.offset_at_last = SegmentEvidence::unknown;
+        second.by_strain = 130 - 7;
+        CHECK(shifts_of({first, second}, 7, 5) == Shifts{-130, 0}); // where the first has no strain
+        first.by_strain = -7;
+        CHECK(shifts_of({first, second}, 7, 5) == Shifts{0, 130});
+        second.by_strain = {};
+        second.stands = true; // but in the time of the first
+        CHECK(shifts_of({first, second}, 7, 5) == Shifts{0, std::nullopt});
+    }
 }
