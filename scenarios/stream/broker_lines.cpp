@@ -166,6 +166,9 @@ void BrokerLines::take_samples(unsigned id, Sensor& sensor, SensorPayload p,
         for (const SensorPayload& before : std::exchange(sensor.held, {}))
             add(id, sensor, before, message);
     }
+    if (verdict == SequenceTrack::Verdict::accepted || verdict == SequenceTrack::Verdict::adopted)
+        sensor.last_time =
+            p.time + static_cast<double>(p.samples() - 1) * static_cast<double>(p.interval);
     add(id, sensor, p, message);
 }
 
@@ -188,9 +191,6 @@ bool BrokerLines::waits_or_is_of_another(unsigned id, Sensor& sensor, const Sens
 
 void BrokerLines::add(unsigned id, Sensor& sensor, const SensorPayload& p,
                       const BrokerMessage& message) {
-    const auto columns = p.columns();
-    sensor.last_time =
-        p.time + static_cast<double>(p.samples() - 1) * static_cast<double>(p.interval);
     if ((p.channels & 0x80) != 0) sensor.battery = static_cast<double>(p.numbers.back());
     if (!std::ranges::all_of(p.numbers, [](float x) { return std::isfinite(x); }))
         note(fmt::format("not finite {}", id),

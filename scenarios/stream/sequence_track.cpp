@@ -79,9 +79,7 @@ void SequenceTrack::accept(const Message& m) {
     remember(m);
 }
 
-void SequenceTrack::remember(const Message& m) {
-    recent_[recent_count_++ % recent_.size()] = {m.sequence, m.hash};
-}
+void SequenceTrack::remember(const Message& m) { recent_[recent_count_++ % recent_.size()] = m; }
 
 /// Whether all of the samples are missing; then they are no longer.
 bool SequenceTrack::fills_gap(std::int64_t from, std::int64_t to) {
@@ -97,18 +95,20 @@ bool SequenceTrack::fills_gap(std::int64_t from, std::int64_t to) {
     return true;
 }
 
-/// What a message is by its sequence number and contents; accepted: neither is known, as after a
-/// restart.
+/// What a message is by its sequence number, time and contents; accepted: it is not known, as after
+/// a restart or a wrap.
 SequenceTrack::Verdict SequenceTrack::known(const Message& m) const {
     const std::size_t count = std::min(recent_count_, recent_.size());
-    bool has_sequence = false;
+    Verdict verdict = Verdict::accepted;
     for (std::size_t k = 0; k < count; ++k) {
-        if (recent_[k].first != m.sequence) continue;
-        if (recent_[k].second == m.hash) return Verdict::duplicate;
-        has_sequence = true;
+        const Message& before = recent_[k];
+        if (before.sequence != m.sequence) continue;
+        if (before.hash == m.hash) return Verdict::duplicate;
+        if (m.time >= last_time_ - longest_late &&
+            std::abs(before.time - m.time) <= m.samples * m.interval)
+            verdict = Verdict::contradiction;
     }
-    return has_sequence && m.time >= last_time_ - longest_late ? Verdict::contradiction
-                                                               : Verdict::accepted;
+    return verdict;
 }
 
 /// A message that continues nothing: the sensor has restarted, its clock has been set, or another

@@ -44,7 +44,7 @@ private:
     using Interval = std::pair<std::int64_t, std::int64_t>; // [from, to) of missing samples
     void accept(const Message& message);
     bool fills_gap(std::int64_t from, std::int64_t to);
-    /// Whether a message of this sequence number came lately, and with these contents.
+    /// Whether a message of this sequence number and time came lately, and with these contents.
     Verdict known(const Message& message) const;
     Verdict unexpected(const Message& message);
     void begin_at(const Message& message);
@@ -54,7 +54,7 @@ private:
     std::int64_t next_ = 0; // expected sequence number, unwrapped
     double last_time_ = 0;  // of the sample before
     std::vector<Interval> missing_;
-    std::array<std::pair<std::uint32_t, std::uint64_t>, 1024> recent_{}; // sequence and hash
+    std::array<Message, 1024> recent_{};
     std::size_t recent_count_ = 0;
     Message held_{}; // the last one that is held
     unsigned held_count_ = 0;

@@ -88,6 +88,26 @@ TEST_SUITE("stream/broker_lines") {
         CHECK(all.says("48 of another sensor"));
     }
 
+    TEST_CASE("counts of 8 bits that wrap lose no line") {
+        std::vector<Batch> batches;
+        for (std::uint32_t k = 0; k < 300; ++k)
+            batches.push_back({10 * k % 256, 0.1 * k, 1000 + 0.1 * k, static_cast<float>(k)});
+        batches.resize(298); // the last wrap is decided
+        CHECK(delivered(batches).lines.size() == 2980);
+    }
+
+    TEST_CASE("a restart among messages of before that come late loses no line") {
+        std::vector<Batch> batches;
+        for (std::uint32_t k = 0; k < 300; ++k)
+            if (k % 10 != 5) batches.push_back({10 * k, 0.1 * k, 1000 + 0.1 * k});
+        for (std::uint32_t k = 0; k < 100; ++k) {
+            batches.push_back({10 * k, 0.1 * k - 500, 1035 + 0.1 * k, 0.5f});
+            if (k % 4 == 2 && k < 90)
+                batches.push_back({10 * k + 50, 0.1 * k + 0.5, 1035 + 0.1 * k});
+        }
+        CHECK(delivered(batches).lines.size() == 10 * batches.size());
+    }
+
     TEST_CASE("counts that begin again while the clock goes on wait for three messages, and none "
               "is lost") {
         std::vector<Batch> batches;
