@@ -315,7 +315,7 @@ void LiveRun::prepare() {
 /// The records of the test, logged.
 std::unique_ptr<Lines> LiveRun::lines() {
     if (broker_ && broker_->gives_records()) {
-        auto lines = broker_->lines(infos_, BrokerLines::Order::judged_here);
+        auto lines = broker_->lines(infos_);
         from_broker_ = lines.get();
         return lines;
     }

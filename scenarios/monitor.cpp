@@ -269,7 +269,7 @@ private:
             if (!stream_log_) return lines;
             return std::make_unique<LoggedLines>(std::move(lines), stream_log_);
         }
-        auto lines = broker_->lines(infos, BrokerLines::Order::judged_by_gate);
+        auto lines = broker_->lines(infos);
         from_broker_ = lines.get();
         return lines;
     }

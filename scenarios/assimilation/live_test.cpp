@@ -18,9 +18,6 @@ namespace bris {
 
 namespace {
 
-// of the machine's strain while time goes on
-constexpr double largest_step_back = 5e-4;
-constexpr std::ptrdiff_t most_wrong_times = 2;
 constexpr double same_strain = 1e-9;    // tolerance of comparisons of axial strain
 constexpr std::size_t most_kinds = 40;  // of faults that are listed apart
 constexpr std::size_t fewest_times = 3; // number of differences from which a clock is judged
@@ -38,32 +35,25 @@ std::string fault_of(const std::string& message) {
     return fault;
 }
 
-/// Names of the numbers of a sample: those below, then the device channels.
-const std::vector<std::string>& sample_names() {
-    static const std::vector<std::string> all = [] {
-        std::vector<std::string> names{"strain", "seq", "ax", "ay", "az",    "gx",   "gy",
-                                       "gz",     "ux",  "uy", "uz", "qw",    "qx",   "qy",
-                                       "qz",     "mx",  "my", "mz", "flags", "phase"};
-        for (const DeviceChannel& channel : device_channels()) names.emplace_back(channel.column);
-        return names;
-    }();
-    return all;
+/// By how much (s) a clock may differ from the machine's.
+double uncertain(const SensorInfo& info, double step_of_machine) {
+    return 3 * info.clock_offset_deviation + step_of_machine;
 }
-namespace in_sample {
-constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8,
-                      attitude = 11, field = 15, flags = 18, phase = 19, device = 20;
+
+std::string unknown_times(const SensorTimeline& timeline) {
+    return fmt::format("expected strain in its records, or steady times of arrival, from when its "
+                       "clock was set or began again, found neither: {} records of unknown time "
+                       "are left out",
+                       timeline.of_unknown_time);
 }
-constexpr std::uint64_t bits_of(std::size_t first, std::size_t count) {
-    return ((std::uint64_t{1} << count) - 1) << first;
-}
-bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
 } // namespace
 
 LiveTest::LiveTest(std::unique_ptr<Lines> lines, std::vector<SensorInfo> infos,
                    const LiveSettings& settings)
-    : lines_(std::move(lines)), infos_(std::move(infos)), settings_(settings) {
+    : lines_(std::move(lines)), infos_(std::move(infos)), settings_(settings), gate_(infos_) {
     require(!infos_.empty(), "stream: expected at least one SmartRock, found none");
-    for (const SensorInfo& info : infos_) sensors_[info.id].clock_offset = info.clock_offset;
+    for (const SensorInfo& info : infos_) sensors_.emplace(info.id, info);
 }
 
 void LiveTest::note(const std::string& kind, const std::string& text) {
@@ -75,6 +65,7 @@ void LiveTest::note(const std::string& kind, const std::string& text) {
 
 void LiveTest::end(const std::string& why) {
     over_ = true;
+    gate_.end();
     note("end", why);
 }
 
@@ -122,7 +113,7 @@ void LiveTest::take_line(Lines::Line line) {
         wait_for_its_time(*record);
         arrivals_.push_back(record->arrived);
     }
-    take(*record);
+    take(std::move(*record));
 }
 
 /// Delays a record of a replay until it is due.
@@ -143,9 +134,9 @@ void LiveTest::wait_for_its_time(StreamRecord& record) {
         began_ + std::chrono::duration_cast<Instant::duration>(std::chrono::duration<double>(due));
 }
 
-void LiveTest::take(const StreamRecord& record) {
+void LiveTest::take(StreamRecord record) {
     if (record.has("id"))
-        take_of_sensor(record);
+        take_of_sensor(std::move(record));
     else if (record.has("axial_strain") && record.has("deviatoric_stress_Pa"))
         take_of_machine(record);
     else
@@ -155,7 +146,7 @@ void LiveTest::take(const StreamRecord& record) {
                  record.line));
 }
 
-void LiveTest::take_of_sensor(const StreamRecord& record) {
+void LiveTest::take_of_sensor(StreamRecord record) {
     const double id = record.number("id"), t = record.number("t");
     const auto found = id >= 0 && id == std::floor(id) && id < 1e9
                            ? sensors_.find(static_cast<unsigned>(id))
@@ -171,25 +162,36 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     // one wrong strain would be taken for the end of the test
     if (record.number("strain") > track_.reached() + MachineTrack::largest_jump)
         return note_far_off(record, "a sensor", record.number("strain"));
-    SensorRecords& sensor = found->second;
-    const Sample sample = sample_of(record);
-    const auto [entry, is_new] = sensor.by_time.emplace(t, sample);
-    if (is_new) {
-        sensor.sent |= sample.sent;
-        if (!clock_.by_time.empty())
-            sensor.ahead.push_back(t - sensor.clock_offset - clock_.by_time.rbegin()->first);
+    pass_gate(std::move(record), found->second);
+}
+
+/// Keeps the records that pass the gate with this one. A copy never passes, however old it is.
+void LiveTest::pass_gate(StreamRecord record, SensorRecords& sensor) {
+    const auto id = static_cast<unsigned>(record.number("id"));
+    ++sensor.received;
+    const SensorSample* known = sensor.recorded_at(record.number("t"));
+    if (known != nullptr && same_numbers(*known, sample_of(record))) {
+        ++sensor.twice;
+        return gate_.leave_out(LeftOut::again, fmt::format("line {}: sensor {}: t = {:.10g} s",
+                                                           record.line, id, record.number("t")));
+    }
+    if (known == nullptr && sensor.add_between(record, times_.last_t_at(record.line))) {
         sensor.late +=
             static_cast<std::uint64_t>(record.number("strain") < followed_ - same_strain);
         return;
     }
-    ++sensor.twice;
-    if (entry->second.sent != sample.sent ||
-        !std::ranges::equal(entry->second.numbers, sample.numbers, same_number))
-        note(
-            "contradicts",
-            fmt::format(
-                "line {}: sensor {}: t = {} was sent before with other numbers; the first are used",
-                record.line, id, t));
+    const std::uint64_t again = gate_.accounts().count(LeftOut::again);
+    for (const GatedRecord& passed : gate_.take(std::move(record))) {
+        const double strain = passed.record.number("strain");
+        if (!sensor.add(passed, times_.last_t_at(passed.record.line))) {
+            gate_.leave_out(LeftOut::contradiction, fmt::format("line {}: sensor {}: t = {:.10g} s",
+                                                                passed.record.line, id, passed.t));
+            continue;
+        }
+        sensor.late += static_cast<std::uint64_t>(strain < followed_ - same_strain);
+        sensor.update(gate_, id, passed.segment);
+    }
+    sensor.twice += gate_.accounts().count(LeftOut::again) - again;
 }
 
 /// Reports entries that are not valid numbers. They are stored as they are and left to quality
@@ -239,77 +241,62 @@ void LiveTest::accept(const StreamRecord& record) {
             fmt::format("line {}: the machine sent axial_strain = {} before; the first record is "
                         "used",
                         record.line, strain));
-    if (std::isfinite(record.number("t"))) enter_time(record, strain);
-    const double phase = record.number("phase");
-    if (!std::isfinite(phase)) return;
-    const auto last = clock_.by_phase.rbegin();
-    if (last == clock_.by_phase.rend() || phase >= last->first || strain < last->second)
-        clock_.by_phase.emplace(phase, strain);
-    else
+    if (const double t = record.number("t");
+        std::isfinite(t) && !times_.enter_time(t, strain, taken_))
+        note("machine's t", fmt::format("line {}: the machine: t: expected a time after "
+                                        "those of smaller strains, found {}",
+                                        record.line, t));
+    if (const double phase = record.number("phase");
+        std::isfinite(phase) && !times_.enter_phase(phase, strain))
         note("phase", fmt::format("line {}: the machine's phase: expected increasing numbers, "
                                   "found {:.4g} after {:.4g}",
-                                  record.line, phase, last->first));
+                                  record.line, phase, times_.last_phase()));
 }
 
-/// Enters the time at which the machine had a strain. Strain and time increase together: a record
-/// that contradicts many others has a wrong time, one or two that contradict it have had one.
-void LiveTest::enter_time(const StreamRecord& record, double strain) {
-    const double t = record.number("t");
-    auto& times = clock_.by_time;
-    const auto later = times.upper_bound(t);
-    auto first = later, last = later;
-    while (first != times.begin() && std::prev(first)->second > strain + largest_step_back) --first;
-    while (last != times.end() && last->second < strain - largest_step_back) ++last;
-    if (std::distance(first, last) > most_wrong_times)
-        return note("machine's t", fmt::format("line {}: the machine: t: expected a time after "
-                                               "those of smaller strains, found {}",
-                                               record.line, t));
-    times.erase(first, last);
-    times.emplace(t, strain);
+/// Axial strain of a sample by its own strain or phase; NaN: it has neither.
+double LiveTest::own_strain(const SensorSample& sample) const {
+    if (sample.has(in_sample::strain)) return sample.numbers[in_sample::strain];
+    if (sample.has(in_sample::phase) && !times_.strain_at().by_phase.empty())
+        return strain_between(times_.strain_at().by_phase, sample.numbers[in_sample::phase]);
+    return std::nan("");
 }
 
-LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {
-    Sample sample{{}, 0};
-    for (std::size_t k = 0; k < sample_names().size(); ++k) {
-        const double number = record.number(sample_names()[k]);
-        sample.numbers.push_back(number);
-        // without a valid number the strain comes from the machine
-        const bool needs_number = k == in_sample::strain || k == in_sample::phase;
-        if (record.has(sample_names()[k]) && (!needs_number || std::isfinite(number)))
-            sample.sent |= bits_of(k, 1);
+double LiveTest::strain_of(double t, const SensorSample& sample) const {
+    const bool has_own = sample.has(in_sample::strain) ||
+                         (sample.has(in_sample::phase) && !times_.strain_at().by_phase.empty());
+    return has_own ? own_strain(sample) : strain_between(times_.strain_at().by_time, t);
+}
+
+LiveTest::Timelines LiveTest::timelines() const {
+    TestTimes times{.own_strain = [this](const SensorSample& one) { return own_strain(one); },
+                    .time_at = [this](double strain) { return times_.time_at(strain); }};
+    const double step = times_.step();
+    Timelines all;
+    for (const SensorInfo& info : infos_) {
+        times.uncertain = uncertain(info, step);
+        all.emplace(info.id, sensors_.at(info.id).timeline(times));
     }
-    return sample;
+    return all;
 }
 
-double LiveTest::strain_of(double t, const Sample& sample) const {
-    if ((sample.sent & bits_of(in_sample::strain, 1)) != 0)
-        return sample.numbers[in_sample::strain];
-    if ((sample.sent & bits_of(in_sample::phase, 1)) != 0 && !clock_.by_phase.empty())
-        return strain_between(clock_.by_phase, sample.numbers[in_sample::phase]);
-    return strain_between(clock_.by_time, t);
-}
-
-Recording LiveTest::recording_of(const SensorInfo& info) const {
+Recording LiveTest::recording_of(const SensorInfo& info, const SensorTimeline& timeline) const {
     Recording r;
     r.info = info;
-    const SensorRecords& sensor = sensors_.at(info.id);
-    const bool counted = std::ranges::all_of(sensor.by_time, [&](const auto& one) {
-        return is_count(one.second.numbers[in_sample::sequence]);
-    });
-    const auto any = [&](std::size_t first, std::size_t count) {
-        return (sensor.sent & bits_of(first, count)) != 0;
-    };
+    const bool counted = std::ranges::all_of(
+        timeline.samples, [](const PlacedSample& one) { return one.count >= 0; });
+    const SensorSample sent{.sent = sensors_.at(info.id).sent()};
+    const auto any = [&](std::size_t first, std::size_t count) { return sent.has(first, count); };
     const bool force = any(in_sample::force, 3), rate = any(in_sample::rate, 3),
                displacement = any(in_sample::displacement, 3),
                attitude = any(in_sample::attitude, 4);
     const bool field = any(in_sample::field, 3), flags = any(in_sample::flags, 1);
-    for (const auto& [t, one] : sensor.by_time) {
-        const double strain = strain_of(t - sensor.clock_offset, one);
+    for (const auto& [t, count, sample] : timeline.samples) {
+        const double strain = strain_of(t - info.clock_offset, *sample);
         if (std::isnan(strain)) continue;
-        const double* n = one.numbers.data();
+        const double* n = sample->numbers.data();
         r.time.push_back(t);
         r.strain.push_back(strain);
-        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(n[in_sample::sequence]));
+        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(count));
         if (force) r.force.push_back(info.force_of(Vec3(n + in_sample::force)));
         if (rate) r.rate.push_back(info.rate_of(Vec3(n + in_sample::rate)));
         if (displacement) r.displacement.emplace_back(n + in_sample::displacement);
@@ -334,16 +321,16 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
 
 /// How far (s) a sensor's clock is ahead of the machine's, the median over its records with strain;
 /// nothing if there are too few. The interval between the machine's records limits the resolution.
-std::optional<double> LiveTest::clock_ahead(const SensorRecords& sensor) const {
+std::optional<double> LiveTest::clock_ahead(const SensorInfo& info,
+                                            const SensorTimeline& timeline) const {
     std::vector<double> ahead;
-    for (const auto& [t, one] : sensor.by_time) {
-        const double strain = (one.sent & bits_of(in_sample::strain, 1)) != 0
-                                  ? one.numbers[in_sample::strain]
-                                  : std::nan("");
+    for (const auto& [t, count, sample] : timeline.samples) {
+        const double strain =
+            sample->has(in_sample::strain) ? sample->numbers[in_sample::strain] : std::nan("");
         if (!(strain > 0)) continue; // at rest a strain does not determine a time
         const auto passed = machine_.lower_bound(strain - same_strain);
         if (passed != machine_.end() && std::isfinite(passed->second.number("t")))
-            ahead.push_back(t - sensor.clock_offset - passed->second.number("t"));
+            ahead.push_back(t - info.clock_offset - passed->second.number("t"));
     }
     if (ahead.size() < fewest_times) return {};
     return median(std::move(ahead));
@@ -353,22 +340,20 @@ std::optional<double> LiveTest::clock_ahead(const SensorRecords& sensor) const {
 /// strain the wrong strain. A clock that is behind cannot be distinguished from records that arrive
 /// late, and clocks that are all ahead cannot be distinguished from late records of the machine:
 /// these cases are reported, not refused.
-void LiveTest::check_clocks(RecordedTest& test) const {
-    std::vector<double> steps, of_all;
-    for (auto at = clock_.by_time.begin();
-         at != clock_.by_time.end() && std::next(at) != clock_.by_time.end(); ++at)
-        steps.push_back(std::next(at)->first - at->first);
-    for (const auto& [id, sensor] : sensors_)
-        if (sensor.ahead.size() >= fewest_times) of_all.push_back(median(sensor.ahead));
+void LiveTest::check_clocks(RecordedTest& test, const Timelines& timelines) const {
+    std::vector<double> of_all;
+    const double step = times_.step();
+    for (const auto& [id, timeline] : timelines)
+        if (timeline.ahead.size() >= fewest_times) of_all.push_back(median(timeline.ahead));
     for (std::size_t k = 0; k < test.recordings.size(); ++k) {
         const SensorInfo& info = test.recordings[k].info;
-        const SensorRecords& sensor = sensors_.at(info.id);
+        const SensorTimeline& timeline = timelines.at(info.id);
         std::vector<double> phases; // of records whose strain is found by phase
         bool needed = false;        // whether a record's strain is found by t
-        for (const auto& [t, one] : sensor.by_time) {
-            if ((one.sent & bits_of(in_sample::strain, 1)) != 0) continue;
-            if ((one.sent & bits_of(in_sample::phase, 1)) != 0 && !clock_.by_phase.empty())
-                phases.push_back(one.numbers[in_sample::phase]);
+        for (const PlacedSample& one : timeline.samples) {
+            if (one.sample->has(in_sample::strain)) continue;
+            if (one.sample->has(in_sample::phase) && !times_.strain_at().by_phase.empty())
+                phases.push_back(one.sample->numbers[in_sample::phase]);
             else
                 needed = true;
         }
@@ -380,24 +365,35 @@ void LiveTest::check_clocks(RecordedTest& test) const {
             test.trajectories[k] = {};
         };
         if (const auto reason = reason_against_phases(phases)) refuse(*reason);
+        if (gate_.passed(info.id) == 0 && sensors_.at(info.id).received > 0)
+            refuse(fmt::format("expected records whose times follow each other, at {:.4g} samples "
+                               "a second (sampling_rate), found none",
+                               info.sampling_rate));
+        if (timeline.of_unknown_time > 0) {
+            const auto text = unknown_times(timeline);
+            if (std::ranges::none_of(test.recordings[k].strain, [](double e) { return e > 0; }))
+                refuse(text);
+            else
+                test.findings.push_back({Finding::Kind::note, info.id, "clock", text});
+        }
         const bool none = needed && test.recordings[k].size() == 0;
-        if (none && clock_.by_time.empty())
+        if (none && times_.strain_at().by_time.empty())
             refuse("expected strain in its records, or t in the machine's, found neither");
-        if (steps.empty()) continue;
-        const auto by_strain = clock_ahead(sensor);
-        if (!by_strain && sensor.ahead.size() < fewest_times && !none) continue;
+        if (std::isnan(step) || timeline.samples.empty()) continue;
+        const auto by_strain = clock_ahead(info, timeline);
+        if (!by_strain && timeline.ahead.size() < fewest_times && !none) continue;
         const double ahead = by_strain ? *by_strain
-                             : sensor.ahead.empty()
-                                 ? sensor.by_time.begin()->first - sensor.clock_offset -
-                                       clock_.by_time.begin()->first
-                                 : median(sensor.ahead);
-        const double uncertain = 3 * info.clock_offset_deviation + median(steps);
-        if (std::abs(ahead) <= uncertain) continue;
+                             : timeline.ahead.empty()
+                                 ? timeline.samples.front().t - info.clock_offset -
+                                       times_.strain_at().by_time.begin()->first
+                                 : median(timeline.ahead);
+        const double limit = uncertain(info, step);
+        if (std::abs(ahead) <= limit) continue;
         const auto text =
             fmt::format("t is {:.3g} s {} the machine's {}, expected {:.2g} s at most",
                         std::abs(ahead), ahead > 0 ? "ahead of" : "behind",
-                        by_strain ? "at the same strain" : "on arrival", uncertain);
-        const bool alone = !of_all.empty() && ahead > 0 && ahead - median(of_all) > uncertain;
+                        by_strain ? "at the same strain" : "on arrival", limit);
+        const bool alone = !of_all.empty() && ahead > 0 && ahead - median(of_all) > limit;
         if (none || (needed && (by_strain || alone)))
             refuse(text + ": give clock_offset");
         else
@@ -417,13 +413,16 @@ TriaxialPoint LiveTest::point_of(const StreamRecord& record) const {
     return p;
 }
 
-RecordedTest LiveTest::so_far() const {
+RecordedTest LiveTest::so_far() const { return test_of(timelines()); }
+
+RecordedTest LiveTest::test_of(const Timelines& timelines) const {
     RecordedTest test;
     test.pressure = settings_.pressure;
-    for (const SensorInfo& info : infos_) test.recordings.push_back(recording_of(info));
+    for (const SensorInfo& info : infos_)
+        test.recordings.push_back(recording_of(info, timelines.at(info.id)));
     for (const auto& [strain, record] : machine_) test.measured.push_back(point_of(record));
     examine(test, settings_.quality_control);
-    check_clocks(test);
+    check_clocks(test, timelines);
     return test;
 }
 
@@ -440,21 +439,36 @@ std::string LiveTest::report() const {
         machine_.size(), machine_.empty() ? 0 : 100 * machine_.rbegin()->first);
     for (const auto& [kind, what] : notes_)
         text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
+    const Timelines all = timelines();
+    return text + parser_.ignored() + report_on_sensors(all) + quality_control_report(test_of(all));
+}
+
+/// What was received of the sensors, and what the gate left out.
+std::string LiveTest::report_on_sensors(const Timelines& timelines) const {
     std::vector<std::pair<unsigned, std::string>> received;
-    for (const auto& [id, sensor] : sensors_) {
-        const double last = sensor.by_time.empty()
-                                ? std::nan("")
-                                : strain_of(sensor.by_time.rbegin()->first - sensor.clock_offset,
-                                            sensor.by_time.rbegin()->second);
-        const std::string until =
-            sensor.by_time.empty()
-                ? ""
-                : fmt::format(", the last at {:.3f} % of axial strain", 100 * last);
-        received.emplace_back(id,
-                              fmt::format("{} records, {} late, {} sent again{}",
-                                          sensor.by_time.size(), sensor.late, sensor.twice, until));
+    Accounts accounts = gate_.accounts();
+    for (const auto& [id, timeline] : timelines) {
+        const SensorRecords& sensor = sensors_.at(id);
+        std::string until;
+        if (!timeline.samples.empty()) {
+            const PlacedSample& last = timeline.samples.back();
+            const double offset = std::ranges::find(infos_, id, &SensorInfo::id)->clock_offset;
+            until = fmt::format(", the last at {:.3f} % of axial strain",
+                                100 * strain_of(last.t - offset, *last.sample));
+        }
+        received.emplace_back(id, fmt::format("{} records, {} late, {} sent again{}{}",
+                                              timeline.samples.size(), sensor.late, sensor.twice,
+                                              until, gate_.changes(id)));
+        accounts.add(LeftOut::time_unknown,
+                     fmt::format("sensor {}: {}", id, timeline.first_unknown),
+                     timeline.of_unknown_time);
     }
-    return text + parser_.ignored() + lines_by_sensor(received) + quality_control_report(so_far());
+    std::string text = lines_by_sensor(received) + accounts.report();
+    if (const Gate::Waiting waiting = gate_.waiting(); waiting.records > 0)
+        text += fmt::format("{} record{} until others agree with {}: {}\n", waiting.records,
+                            waiting.records == 1 ? " waits" : "s wait",
+                            waiting.records == 1 ? "it" : "them", waiting.first);
+    return text;
 }
 
 } // namespace bris

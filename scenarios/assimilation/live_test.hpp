@@ -1,7 +1,9 @@
 #pragma once
 
 #include "engine/io/line_source.hpp"
+#include "scenarios/assimilation/machine_times.hpp"
 #include "scenarios/assimilation/machine_track.hpp"
+#include "scenarios/assimilation/sensor_records.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/stream/record_stream.hpp"
 
@@ -31,9 +33,12 @@ struct LiveSettings {
 /// qw ..., temp, batt it has. A record without one is the test machine's: axial_strain,
 /// deviatoric_stress_Pa, and whichever of t, phase, volumetric_strain, ring_1_radius_m ... it has.
 /// A SmartRock's record without strain is given the machine's strain at its phase, or else at its t
-/// less the clock_offset of its metadata. Records may arrive late, out of order and twice. Records
-/// that cannot be used are skipped, counted and reported; a sensor, or a channel of the machine, is
-/// left out while its records so far fail quality control. {"end": 1} ends the test.
+/// less the clock_offset of its metadata. Records may arrive late, out of order and twice. Those of
+/// SmartRocks pass the Gate, so that clocks and counts may wrap, begin again and be set: what a
+/// clock recorded after that is placed by its strains, or else by its arrival, or else left out as
+/// of unknown time. Records that cannot be used are skipped, counted and reported; a sensor, or a
+/// channel of the machine, is left out while its records so far fail quality control. {"end": 1}
+/// ends the test.
 ///
 /// The same lines give the same test, bit for bit: one that is logged (LoggedLines) can be
 /// replayed, and a resumed run first processes those of its log, one by one as before. Only the
@@ -60,45 +65,36 @@ public:
     std::string report() const;
 
 private:
-    /// The numbers that a SmartRock sent at one t, in the order of sample_names; the bits of `sent`
-    /// say which of them it sent.
-    struct Sample {
-        std::vector<double> numbers;
-        std::uint64_t sent;
-    };
-    struct SensorRecords {
-        std::map<double, Sample> by_time;
-        std::uint64_t sent = 0; ///< bits of the numbers sent in any of them
-        std::uint64_t late = 0, twice = 0;
-        double clock_offset = 0; ///< s, from the metadata
-        /// s, t of each new sample less the machine's last t when the sample arrived.
-        std::vector<double> ahead;
-    };
     void take_line(Lines::Line line);
-    void take(const StreamRecord& record);
-    void take_of_sensor(const StreamRecord& record);
+    void take(StreamRecord record);
+    void take_of_sensor(StreamRecord record);
+    void pass_gate(StreamRecord record, SensorRecords& sensor);
     void take_of_machine(const StreamRecord& record);
     void accept(const StreamRecord& record);
-    void enter_time(const StreamRecord& record, double strain);
     void wait_for_its_time(StreamRecord& record);
     void end(const std::string& why);
     void note_far_off(const StreamRecord& record, const char* who, double strain);
     void note(const std::string& kind, const std::string& text);
-    static Sample sample_of(const StreamRecord& record);
     void look_for_numbers(const StreamRecord& record);
-    double strain_of(double t, const Sample& sample) const;
-    Recording recording_of(const SensorInfo& info) const;
-    void check_clocks(RecordedTest& test) const;
-    std::optional<double> clock_ahead(const SensorRecords& sensor) const;
+    double own_strain(const SensorSample& sample) const;
+    double strain_of(double t, const SensorSample& sample) const;
+    using Timelines = std::map<unsigned, SensorTimeline>;
+    Timelines timelines() const;
+    RecordedTest test_of(const Timelines& timelines) const;
+    Recording recording_of(const SensorInfo& info, const SensorTimeline& timeline) const;
+    void check_clocks(RecordedTest& test, const Timelines& timelines) const;
+    std::optional<double> clock_ahead(const SensorInfo& info, const SensorTimeline& timeline) const;
+    std::string report_on_sensors(const Timelines& timelines) const;
     TriaxialPoint point_of(const StreamRecord& record) const;
 
     std::unique_ptr<Lines> lines_;
     RecordParser parser_;
     std::vector<SensorInfo> infos_;
     LiveSettings settings_;
+    Gate gate_;
     std::map<unsigned, SensorRecords> sensors_;
     std::map<double, StreamRecord> machine_; // by axial strain
-    MachineClock clock_;                     // strain by the machine's t and phase
+    MachineTimes times_;
     // number and first message of each kind of problem
     std::map<std::string, std::pair<std::uint64_t, std::string>> notes_;
     MachineTrack track_;

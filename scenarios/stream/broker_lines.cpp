@@ -20,6 +20,7 @@ namespace {
 constexpr std::size_t most_kinds = 40; // of faults that are listed apart
 constexpr double health_interval = 1;  // s
 constexpr double longest_overtime = 1; // s for which messages that give no line are taken
+constexpr double same_time = 10;       // s between messages of clocks that are not told apart
 constexpr std::string_view of_sensor = "smartrock/", of_machine = "test_machine/record";
 
 /// JSON has no NaN.
@@ -32,8 +33,7 @@ std::vector<std::string> BrokerLines::topics() {
             "smartrock/+/config/ack", std::string(of_machine), BrokerLink::own_topic};
 }
 
-BrokerLines::BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos, Order order)
-    : link_(link), order_(order) {
+BrokerLines::BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos) : link_(link) {
     for (const SensorInfo& info : infos) sensors_[info.id];
 }
 
@@ -141,7 +141,11 @@ void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage&
                              message.topic, most_samples));
         return;
     }
-    using enum SequenceTrack::Verdict;
+    take_samples(id, sensor, std::move(p), message);
+}
+
+void BrokerLines::take_samples(unsigned id, Sensor& sensor, SensorPayload p,
+                               const BrokerMessage& message) {
     const auto gaps = sensor.track.counters().gaps;
     const auto missing = sensor.track.counters().missing;
     const auto verdict = sensor.track.take({p.sequence, static_cast<std::uint32_t>(p.samples()),
@@ -152,44 +156,41 @@ void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage&
              fmt::format("{}: {} samples are missing after {:.6g} s; some may come late",
                          message.topic, sensor.track.counters().missing - missing,
                          sensor.last_time));
-    if (order_ == Order::judged_by_gate) return add(id, sensor, p, message);
-    switch (verdict) {
-    case accepted:
-    case late:
-        return add(id, sensor, p, message);
-    case held_anew:
-        sensor.held.clear();
-        [[fallthrough]];
-    case held:
-        sensor.held.push_back(std::move(p));
-        return;
-    case adopted:
+    if (waits_or_is_of_another(id, sensor, p, verdict, message.topic)) return;
+    if (verdict == SequenceTrack::Verdict::adopted) {
         note(fmt::format("restart {}", id),
              fmt::format(
                  "{}: the sequence or the clock began anew: sequence {}, time {:.6g} s after "
                  "{:.6g} s",
-                 message.topic, sensor.held.front().sequence, sensor.held.front().time,
-                 sensor.last_time));
+                 message.topic, p.sequence, p.time, sensor.last_time));
         for (const SensorPayload& before : std::exchange(sensor.held, {}))
             add(id, sensor, before, message);
-        return add(id, sensor, p, message);
-    case contradiction:
-    case rival:
-        sensor.held.clear();
-        return note(fmt::format("two sensors {}", id),
-                    fmt::format("{}: expected one sensor with this id, found two: sequence {} at "
-                                "{:.6g} s beside {:.6g} s; the first is used",
-                                message.topic, p.sequence, p.time, sensor.last_time));
-    case duplicate:
-        return;
     }
+    if (verdict == SequenceTrack::Verdict::accepted || verdict == SequenceTrack::Verdict::adopted)
+        sensor.last_time =
+            p.time + static_cast<double>(p.samples() - 1) * static_cast<double>(p.interval);
+    add(id, sensor, p, message);
+}
+
+/// Whether a message does not go on now. Where its sequence numbers are others while the time goes
+/// on, times cannot tell whether the sensor counts anew or there is a second one with its id.
+bool BrokerLines::waits_or_is_of_another(unsigned id, Sensor& sensor, const SensorPayload& p,
+                                         SequenceTrack::Verdict verdict, const std::string& topic) {
+    using enum SequenceTrack::Verdict;
+    const bool is_other = verdict == contradiction || verdict == rival;
+    if (is_other)
+        note(fmt::format("two sensors {}", id),
+             fmt::format("{}: expected one sensor with this id, found two: sequence {} at {:.6g} s "
+                         "beside {:.6g} s; the first is used",
+                         topic, p.sequence, p.time, sensor.last_time));
+    if (is_other || verdict == held_anew) sensor.held.clear();
+    if (!(std::abs(p.time - sensor.last_time) <= same_time)) return false; // the gate can tell
+    if (verdict == held || verdict == held_anew) sensor.held.push_back(p);
+    return is_other || verdict == held || verdict == held_anew;
 }
 
 void BrokerLines::add(unsigned id, Sensor& sensor, const SensorPayload& p,
                       const BrokerMessage& message) {
-    const auto columns = p.columns();
-    sensor.last_time =
-        p.time + static_cast<double>(p.samples() - 1) * static_cast<double>(p.interval);
     if ((p.channels & 0x80) != 0) sensor.battery = static_cast<double>(p.numbers.back());
     if (!std::ranges::all_of(p.numbers, [](float x) { return std::isfinite(x); }))
         note(fmt::format("not finite {}", id),

@@ -16,8 +16,11 @@ namespace bris {
 /// Records of SmartRocks and of a test machine that a broker delivers, as the lines of a stream.
 /// Topics: smartrock/ID/imu (SensorPayload), smartrock/ID/status (text, "offline" as last will),
 /// test_machine/record (one JSON object of numbers). Payloads that cannot be used, gaps,
-/// duplicates, clocks that jump, unknown ids and two sensors with one id are counted and named, and
-/// a sensor that sends too much is limited; the state of all sensors is published as bris/health.
+/// duplicates, restarts, unknown ids and two sensors with one id are counted and named, and a
+/// sensor that sends too much is limited; the state of all sensors is published as bris/health. The
+/// order and the times of records are judged by the Gate behind these lines, which get all of them;
+/// but of two sensors with one id and the same time, which only their sequence numbers tell from
+/// each other, the second one is left out.
 /// The settings of sensors, smartrock/ID/config, and their acknowledgements pass as well, so that a
 /// history has them. What becomes of a message depends on the messages alone and their times of
 /// arrival: a history gives the same lines again.
@@ -30,11 +33,8 @@ public:
 
     /// The topics to subscribe.
     static std::vector<std::string> topics();
-    /// Who judges the order, counts and times of the records: these lines, or a Gate behind them.
-    enum class Order { judged_here, judged_by_gate };
     /// The link has to live longer. `infos`: the sensors that are known.
-    BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos,
-                Order order = Order::judged_here);
+    BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos);
     std::optional<Line> next(double timeout) override;
     bool over() const override { return ready_.empty() && link_.over(); }
     double now() const override { return link_.now(); }
@@ -52,7 +52,7 @@ public:
 private:
     struct Sensor {
         SequenceTrack track;
-        std::vector<SensorPayload> held;
+        std::vector<SensorPayload> held;             // of other sequence numbers at the same time
         double allowance = most_samples * burst;     // samples
         double filled = 0;                           // s, time of the last message
         std::uint64_t over_rate = 0, unreadable = 0; // messages
@@ -60,6 +60,9 @@ private:
         std::string status = "unknown";
     };
     void take_payload(unsigned id, Sensor& sensor, const BrokerMessage& message);
+    void take_samples(unsigned id, Sensor& sensor, SensorPayload p, const BrokerMessage& message);
+    bool waits_or_is_of_another(unsigned id, Sensor& sensor, const SensorPayload& p,
+                                SequenceTrack::Verdict verdict, const std::string& topic);
     void take_machine(const BrokerMessage& message);
     bool allows(Sensor& sensor, std::size_t samples, double now) const;
     void take_news_of_link(const std::string& news);
@@ -69,7 +72,6 @@ private:
     void publish_health();
 
     BrokerLink& link_;
-    Order order_;
     std::map<unsigned, Sensor> sensors_;
     std::deque<Line> ready_;
     std::uint64_t lines_ = 0, messages_ = 0, machine_records_ = 0;

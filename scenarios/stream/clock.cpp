@@ -16,6 +16,7 @@ constexpr double shortest_near = 10; // s, and so many samples, that may lie bet
 constexpr double near_samples = 20;  // that follow each other
 constexpr double long_gap = 3600;    // s; without arrivals a longer one begins a segment
 constexpr std::size_t agreeing = 3;  // records
+constexpr double exchanged = 3;      // samples by which the first records may be out of order
 constexpr double deciding = 2;       // s of own time that tell stored from live records
 constexpr double between_envelopes = 600; // s
 constexpr std::size_t most_envelopes = 64, most_covered = 4096, most_segments = 8;
@@ -51,7 +52,7 @@ const char* text_of(LeftOut reason) {
     return "";
 }
 
-double Clock::Segment::offset_at(double t) const {
+double SensorClock::Segment::offset_at(double t) const {
     if (!confirmed) return std::numeric_limits<double>::quiet_NaN();
     double nearest = *envelope, distance = std::abs(t - last);
     for (const auto& [at, value] : envelopes)
@@ -62,20 +63,30 @@ double Clock::Segment::offset_at(double t) const {
     return nearest;
 }
 
-bool Clock::Segment::is_too_short() const { return period > 0 && largest_lag >= 0.5 * period; }
+bool SensorClock::Segment::is_too_short() const {
+    return period > 0 && largest_lag >= 0.5 * period;
+}
 
-Clock::Clock(double rate) : rate_(rate) {}
+SensorClock::SensorClock(double rate) : rate_(rate) {}
 
-double Clock::near_of(double spacing) const {
+double SensorClock::near_of(double spacing) const {
     return std::max({shortest_near, near_samples / rate_, near_samples * spacing});
 }
 
-const Clock::Segment* Clock::segment(std::size_t number) const {
+const SensorClock::Segment* SensorClock::segment(std::size_t number) const {
     const auto found = std::ranges::find(segments_, number, &Segment::number);
     return found == segments_.end() ? nullptr : &*found;
 }
 
-bool Clock::was_used(const Reading& r) const {
+bool SensorClock::has_recorded(double t) const {
+    return std::ranges::any_of(segments_, [&](const Segment& s) {
+        return std::ranges::any_of(s.covered, [&](const auto& range) {
+            return range.first <= t + s.turns && t + s.turns <= range.second;
+        });
+    });
+}
+
+bool SensorClock::was_used(const Reading& r) const {
     const auto is_it = [&](const Known& k) { return k.t == r.t && k.content == r.content; };
     return std::any_of(recent_.begin(),
                        recent_.begin() +
@@ -84,7 +95,7 @@ bool Clock::was_used(const Reading& r) const {
            std::ranges::any_of(by_second_, is_it);
 }
 
-Clock::Decision Clock::take(const Reading& r) {
+SensorClock::Decision SensorClock::take(const Reading& r) {
     if (!segments_.empty()) {
         if (const auto decided = follows(segments_.back(), r, true)) return *decided;
         for (std::size_t k = segments_.size() - 1; k-- > 0;)
@@ -95,7 +106,8 @@ Clock::Decision Clock::take(const Reading& r) {
 
 /// Whether a record goes on with a segment, or fills a gap in it, or is known; nothing: it may be
 /// anything.
-std::optional<Clock::Decision> Clock::follows(Segment& s, const Reading& r, bool is_current) {
+std::optional<SensorClock::Decision> SensorClock::follows(Segment& s, const Reading& r,
+                                                          bool is_current) {
     const double t = r.t + s.turns, ahead = t - s.last;
     const Decision kept{.record = Action::keep, .segment = s.number, .turns = s.turns};
     if (ahead > 0) {
@@ -120,11 +132,12 @@ std::optional<Clock::Decision> Clock::follows(Segment& s, const Reading& r, bool
     return late;
 }
 
-void Clock::enter(Segment& s, const Reading& r) {
+void SensorClock::enter(Segment& s, const Reading& r) {
     const double t = r.t + s.turns;
     if (t > s.last) {
         const double gap = t - s.last;
-        if (gap < 5 * s.spacing) s.spacing += 0.1 * (gap - s.spacing);
+        // a longer gap may be one of records that come late
+        if (gap < 5 * s.spacing) s.spacing += 0.1 * (std::min(gap, 1.5 * s.spacing) - s.spacing);
         if (gap <= 1.5 * s.spacing && !s.covered.empty())
             s.covered.back().second = t;
         else
@@ -167,7 +180,7 @@ void Clock::enter(Segment& s, const Reading& r) {
 }
 
 /// The lower envelope of arrival less own time, which may rise by the largest drift.
-void Clock::set_envelope(Segment& s, double t, double lag) const {
+void SensorClock::set_envelope(Segment& s, double t, double lag) const {
     if (!s.envelope) {
         s.envelope = s.support = lag;
         s.support_t = t;
@@ -199,14 +212,20 @@ void Clock::set_envelope(Segment& s, double t, double lag) const {
 }
 
 /// Holds a record in the chain that it continues, or in one of its own.
-Clock::Decision Clock::hold(const Reading& r) {
+SensorClock::Decision SensorClock::hold(const Reading& r) {
     const double near = near_of(segments_.empty() ? 0 : segments_.back().spacing);
     for (Chain& chain : chains_) {
-        const Reading& last = chain.readings.back();
-        if (r.t == last.t && r.content == last.content)
+        const auto at = std::ranges::lower_bound(chain.readings, r.t, {}, &Reading::t);
+        const bool is_known = at != chain.readings.end() && at->t == r.t;
+        if (is_known && at->content == r.content)
             return {.record = Action::leave_out, .reason = LeftOut::again};
-        if (!(r.t > last.t && r.t - last.t <= near)) continue;
-        chain.readings.push_back(r);
+        const double ahead = r.t - chain.readings.back().t;
+        const bool follows = ahead > 0 && ahead <= near;
+        // the first records of all may have changed places on their way
+        const bool is_behind =
+            segments_.empty() && !is_known && ahead < 0 && ahead >= -exchanged / rate_;
+        if (!follows && !is_behind) continue;
+        chain.readings.insert(at, r);
         if (chain.readings.size() < agreeing) return {.chain = chain.number};
         const Decision decided = decide(chain);
         if (decided.held != Action::hold)
@@ -223,7 +242,7 @@ Clock::Decision Clock::hold(const Reading& r) {
 }
 
 /// The period by which the clock has wrapped, if it has, before a time that is held.
-std::optional<double> Clock::wrap_of(const Segment& s, double t) const {
+std::optional<double> SensorClock::wrap_of(const Segment& s, double t) const {
     const auto fits = [&](double period) {
         const double ahead = t + s.turns + period - s.last;
         return ahead > 0 && ahead <= near_of(s.spacing) && t >= -1e-6 && t < near_of(s.spacing) &&
@@ -234,8 +253,17 @@ std::optional<double> Clock::wrap_of(const Segment& s, double t) const {
     return {};
 }
 
+/// Whether records that arrive as they are recorded are later than a wrap would have them: then the
+/// clock has begun again, by chance near its period.
+bool SensorClock::is_delayed(const Chain& chain, const Segment& s, double period) const {
+    const Reading &first = chain.readings.front(), &last = chain.readings.back();
+    if (!s.confirmed || !std::isfinite(last.arrival)) return false;
+    const bool is_live = last.arrival - first.arrival >= 0.5 * (last.t - first.t);
+    return is_live && last.arrival - last.t - s.turns - period > *s.envelope + scatter;
+}
+
 /// What the records of a chain are: they agree with each other, and not with those before.
-Clock::Decision Clock::decide(Chain& chain) {
+SensorClock::Decision SensorClock::decide(Chain& chain) {
     const Reading &first = chain.readings.front(), &last = chain.readings.back();
     if (segments_.empty()) return adopt(chain, begin(chain, false), true, false);
     Segment& s = segments_.back();
@@ -261,7 +289,7 @@ Clock::Decision Clock::decide(Chain& chain) {
         ++restarts_;
         return adopt(chain, begin(chain, false), true, false);
     }
-    if (const auto period = wrap_of(s, first.t)) {
+    if (const auto period = wrap_of(s, first.t); period && !is_delayed(chain, s, *period)) {
         ++wraps_;
         s.period = *period;
         s.turns += *period;
@@ -277,7 +305,7 @@ Clock::Decision Clock::decide(Chain& chain) {
     return adopt(chain, begin(chain, true), true, was_stored);
 }
 
-Clock::Decision Clock::adopt(Chain& chain, Segment& s, bool begins, bool is_late) {
+SensorClock::Decision SensorClock::adopt(Chain& chain, Segment& s, bool begins, bool is_late) {
     const Decision all{.record = Action::keep,
                        .chain = chain.number,
                        .held = Action::keep,
@@ -289,14 +317,14 @@ Clock::Decision Clock::adopt(Chain& chain, Segment& s, bool begins, bool is_late
     return all;
 }
 
-Clock::Decision Clock::drop(const Chain& chain, LeftOut reason) {
+SensorClock::Decision SensorClock::drop(const Chain& chain, LeftOut reason) {
     return {.record = Action::leave_out,
             .chain = chain.number,
             .held = Action::leave_out,
             .reason = reason};
 }
 
-Clock::Segment& Clock::begin(const Chain& chain, bool went_back) {
+SensorClock::Segment& SensorClock::begin(const Chain& chain, bool went_back) {
     if (segments_.size() == most_segments) segments_.erase(segments_.begin());
     const auto& readings = chain.readings;
     Segment& s = segments_.emplace_back();
@@ -304,7 +332,12 @@ Clock::Segment& Clock::begin(const Chain& chain, bool went_back) {
     s.went_back = went_back;
     s.first = readings.front().t;
     s.last = s.first - 1 / rate_;
-    s.spacing = (readings.back().t - s.first) / static_cast<double>(readings.size() - 1);
+    std::vector<double> gaps; // some may be those of records that come late
+    for (std::size_t k = 1; k < readings.size(); ++k)
+        gaps.push_back(readings[k].t - readings[k - 1].t);
+    const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+    std::ranges::nth_element(gaps, middle);
+    s.spacing = *middle;
     return s;
 }
 

@@ -25,9 +25,9 @@ enum class LeftOut {
 inline constexpr std::size_t kinds_left_out = 10;
 const char* text_of(LeftOut reason);
 
-/// Clock of one source of records, which may begin anywhere, wrap, restart, be set, drift by up to
-/// 200 ppm, and be wrong in single records. It sorts the records into *segments*: within one the
-/// clock went on undisturbed. A record whose time does not follow is held until three different
+/// SensorClock of one source of records, which may begin anywhere, wrap, restart, be set, drift by
+/// up to 200 ppm, and be wrong in single records. It sorts the records into *segments*: within one
+/// the clock went on undisturbed. A record whose time does not follow is held until three different
 /// ones that follow each other agree with it; what they are is then decided:
 ///   - ahead, and not later than they arrived: a gap;
 ///   - back to where the clock has no records, and faster than they could be recorded: stored
@@ -38,7 +38,7 @@ const char* text_of(LeftOut reason);
 /// The offset of a segment is the lower envelope of arrival less own time: records only arrive
 /// late. It may rise by 200 ppm of the time since, and is *confirmed* when records arrived at the
 /// rate of their own times. Pure function of the readings; memory is bounded.
-class Clock {
+class SensorClock {
 public:
     struct Reading {
         double t;                  ///< s, by the source
@@ -80,10 +80,13 @@ public:
     };
 
     /// `rate`: Hz, nominal.
-    explicit Clock(double rate);
+    explicit SensorClock(double rate);
     Decision take(const Reading& reading);
     /// Null: forgotten.
     const Segment* segment(std::size_t number) const;
+    /// Whether a segment has records at this time (s, by the source) or on both sides of it without
+    /// a gap.
+    bool has_recorded(double t) const;
     const Segment* current() const { return segments_.empty() ? nullptr : &segments_.back(); }
     std::uint64_t restarts() const { return restarts_; }
     std::uint64_t wraps() const { return wraps_; }
@@ -109,6 +112,7 @@ private:
     void enter(Segment& s, const Reading& r);
     void set_envelope(Segment& s, double t, double lag) const;
     std::optional<double> wrap_of(const Segment& s, double t) const;
+    bool is_delayed(const Chain& chain, const Segment& s, double period) const;
     double near_of(double spacing) const;
 
     double rate_;

@@ -29,6 +29,11 @@ std::uint64_t content_of(const StreamRecord& record) {
     return hash;
 }
 
+std::string place_of(const StreamRecord& record) {
+    return fmt::format("line {}: sensor {}: t = {:.10g} s", record.line, record.number("id"),
+                       record.number("t"));
+}
+
 } // namespace
 
 void Accounts::add(LeftOut reason, const std::string& example, std::uint64_t count) {
@@ -54,8 +59,8 @@ std::string Accounts::report() const {
 
 Gate::Gate(const std::vector<SensorInfo>& infos) {
     for (const SensorInfo& info : infos)
-        sources_.emplace(info.id,
-                         Source{info, Clock(info.sampling_rate), Counter(info.sampling_rate)});
+        sources_.emplace(
+            info.id, Source{info, SensorClock(info.sampling_rate), Counter(info.sampling_rate)});
 }
 
 void Gate::tick(double arrival) {
@@ -75,9 +80,6 @@ std::vector<GatedRecord> Gate::take(StreamRecord record) {
                                   record.line, id));
         return {};
     }
-    const auto where = [&](const StreamRecord& r) {
-        return fmt::format("line {}: sensor {}: t = {:.10g} s", r.line, id, r.number("t"));
-    };
     if (!(std::abs(t) < latest_time)) { // a NaN too
         accounts_.add(
             LeftOut::no_time,
@@ -85,7 +87,7 @@ std::vector<GatedRecord> Gate::take(StreamRecord record) {
         return {};
     }
     Source& source = found->second;
-    const Clock::Decision decision = source.clock.take(
+    const SensorClock::Decision decision = source.clock.take(
         {t, record.arrival, std::isfinite(record.arrival) ? nan : time_of_others(found->first),
          content_of(record)});
     std::vector<GatedRecord> passed;
@@ -93,28 +95,26 @@ std::vector<GatedRecord> Gate::take(StreamRecord record) {
         auto held = source.held.extract(chain);
         return held.empty() ? std::vector<StreamRecord>{} : std::move(held.mapped());
     };
-    if (decision.held != Clock::Action::hold)
+    if (decision.held != SensorClock::Action::hold)
         for (StreamRecord& before : taken_out(decision.chain)) {
-            if (decision.held == Clock::Action::keep)
+            if (decision.held == SensorClock::Action::keep)
                 passed.push_back(pass(source, std::move(before), decision));
             else
-                accounts_.add(decision.reason, where(before));
+                accounts_.add(decision.reason, place_of(before));
         }
-    if (decision.forgotten != 0)
-        for (const StreamRecord& before : taken_out(decision.forgotten))
-            accounts_.add(LeftOut::impossible, where(before));
-    if (decision.record == Clock::Action::hold)
+    if (decision.forgotten != 0) forget(source, taken_out(decision.forgotten));
+    if (decision.record == SensorClock::Action::hold)
         source.held[decision.chain].push_back(std::move(record));
-    else if (decision.record == Clock::Action::keep)
+    else if (decision.record == SensorClock::Action::keep)
         passed.push_back(pass(source, std::move(record), decision));
     else
-        accounts_.add(decision.reason, where(record));
+        accounts_.add(decision.reason, place_of(record));
     return passed;
 }
 
-GatedRecord Gate::pass(Source& source, StreamRecord record, const Clock::Decision& decision) {
-    GatedRecord gated{source.info.id, decision.segment, record.number("t") + decision.turns, -1,
-                      std::move(record)};
+GatedRecord Gate::pass(Source& source, StreamRecord record, const SensorClock::Decision& decision) {
+    GatedRecord gated{source.info.id,    decision.segment, record.number("t") + decision.turns, -1,
+                      std::move(record), decision.turns};
     const bool is_first = source.passed++ == 0;
     const bool began = source.ranges.size() <= decision.segment;
     if (began) {
@@ -136,11 +136,25 @@ GatedRecord Gate::pass(Source& source, StreamRecord record, const Clock::Decisio
 void Gate::end() {
     ended_ = true;
     for (auto& [id, source] : sources_)
-        for (const auto& [chain, records] : std::exchange(source.held, {}))
-            for (const StreamRecord& record : records)
-                accounts_.add(LeftOut::impossible,
-                              fmt::format("line {}: sensor {}: t = {:.10g} s", record.line, id,
-                                          record.number("t")));
+        for (const auto& [chain, records] : std::exchange(source.held, {})) forget(source, records);
+}
+
+/// Accounts for records that were held and with which no others agreed.
+void Gate::forget(const Source& source, const std::vector<StreamRecord>& held) {
+    for (const StreamRecord& record : held)
+        accounts_.add(source.clock.has_recorded(record.number("t")) ? LeftOut::contradiction
+                                                                    : LeftOut::impossible,
+                      place_of(record));
+}
+
+Gate::Waiting Gate::waiting() const {
+    Waiting all;
+    for (const auto& [id, source] : sources_)
+        for (const auto& [chain, records] : source.held) {
+            if (all.records == 0) all.first = place_of(records.front());
+            all.records += records.size();
+        }
+    return all;
 }
 
 bool Gate::goes_by_arrival() const {
@@ -155,7 +169,7 @@ double Gate::time_of_others(unsigned id) const {
     std::vector<double> times;
     std::size_t heard = 1;
     for (const auto& [other, source] : sources_) {
-        const Clock::Segment* s = source.clock.current();
+        const SensorClock::Segment* s = source.clock.current();
         if (other == id || s == nullptr) continue;
         ++heard;
         if (!s->went_back) times.push_back(s->last - source.info.clock_offset);
@@ -167,7 +181,7 @@ double Gate::time_of_others(unsigned id) const {
 }
 
 /// Whether the own times of a segment are those at which most sources recorded something.
-bool Gate::agrees_with_most(const Source& source, const Clock::Segment& segment) const {
+bool Gate::agrees_with_most(const Source& source, const SensorClock::Segment& segment) const {
     std::size_t heard = 0, agreeing = 0;
     const double first = segment.first - source.info.clock_offset,
                  last = segment.last - source.info.clock_offset;
@@ -185,7 +199,7 @@ bool Gate::agrees_with_most(const Source& source, const Clock::Segment& segment)
 
 Gate::Offset Gate::offset(unsigned id, std::size_t number, double t) const {
     const Source& source = sources_.at(id);
-    const Clock::Segment* s = source.clock.segment(number);
+    const SensorClock::Segment* s = source.clock.segment(number);
     if (s == nullptr || s->is_too_short()) return {};
     if (const double by_arrival = s->offset_at(t); std::isfinite(by_arrival))
         return {TimeBasis::arrival, by_arrival};
@@ -203,7 +217,7 @@ Gate::Offset Gate::offset(unsigned id, std::size_t number, double t) const {
 
 double Gate::reached(unsigned id) const {
     const Source& source = sources_.at(id);
-    const Clock::Segment* s = source.clock.current();
+    const SensorClock::Segment* s = source.clock.current();
     if (s == nullptr) return nan;
     const Offset o = offset(id, s->number, s->last);
     return o.basis == TimeBasis::unknown ? nan : s->last + o.seconds;
@@ -213,7 +227,7 @@ double Gate::coverage(unsigned id, double from, double to) const {
     const Source& source = sources_.at(id);
     double covered = 0;
     for (std::size_t k = 0; k < source.ranges.size(); ++k) {
-        const Clock::Segment* s = source.clock.segment(k);
+        const SensorClock::Segment* s = source.clock.segment(k);
         if (s == nullptr) continue;
         const Offset o = offset(id, k, 0.5 * (from + to));
         if (o.basis == TimeBasis::unknown) continue;
@@ -224,26 +238,40 @@ double Gate::coverage(unsigned id, double from, double to) const {
     return to > from ? covered / (to - from) : 0;
 }
 
+bool Gate::is_too_short(unsigned id, std::size_t segment) const {
+    const SensorClock::Segment* s = sources_.at(id).clock.segment(segment);
+    return s != nullptr && s->is_too_short();
+}
+
+std::string Gate::changes(unsigned id) const {
+    const Source& source = sources_.at(id);
+    const SensorClock::Segment* s = source.clock.current();
+    std::string text;
+    if (source.clock.restarts() > 0)
+        text += fmt::format(", its clock was set or began again {} times", source.clock.restarts());
+    if (source.clock.wraps() > 0)
+        text += fmt::format(", its clock wrapped {} times", source.clock.wraps());
+    if (s != nullptr && s->is_too_short())
+        text += ", which is too often for its delays: clock too short";
+    if (source.counter.wraps() > 0)
+        text += fmt::format(", its counts wrapped {} times", source.counter.wraps());
+    if (source.counter.restarts() > 0)
+        text += fmt::format(", its counts began again {} times", source.counter.restarts());
+    return text;
+}
+
 std::string Gate::report() const {
     std::string text;
     for (const auto& [id, source] : sources_) {
-        const Clock::Segment* s = source.clock.current();
+        const SensorClock::Segment* s = source.clock.current();
         if (s == nullptr) continue;
         const Offset o = offset(id, s->number, s->last);
         const char* const basis = o.basis == TimeBasis::arrival  ? "times by arrival"
                                   : o.basis == TimeBasis::own    ? "its own times"
                                   : o.basis == TimeBasis::others ? "times by the other sensors"
                                                                  : "time unknown";
-        text += fmt::format("sensor {}: {} records passed, {}", id, source.passed, basis);
-        if (source.clock.restarts() > 0)
-            text +=
-                fmt::format(", its clock was set or began again {} times", source.clock.restarts());
-        if (source.clock.wraps() > 0)
-            text += fmt::format(", its clock wrapped {} times", source.clock.wraps());
-        if (s->is_too_short()) text += ", which is too often for its delays: clock too short";
-        if (source.counter.restarts() > 0)
-            text += fmt::format(", its counts began again {} times", source.counter.restarts());
-        text += "\n";
+        text += fmt::format("sensor {}: {} records passed, {}{}\n", id, source.passed, basis,
+                            changes(id));
     }
     return text;
 }

@@ -36,6 +36,7 @@ struct GatedRecord {
     double t = 0;            ///< s, by the clock of its source, unwrapped
     std::int64_t count = -1; ///< sample count, unwrapped; -1: the record has none
     StreamRecord record;
+    double turns = 0; ///< s, of the wraps in t
 };
 
 /// Where the times of a segment come from.
@@ -81,22 +82,34 @@ public:
     std::uint64_t received() const { return received_; }
     /// Records of a source that passed.
     std::uint64_t passed(unsigned id) const { return sources_.at(id).passed; }
+    /// Records that are held, and the first of them.
+    struct Waiting {
+        std::uint64_t records = 0;
+        std::string first;
+    };
+    Waiting waiting() const;
+    /// Whether the clock of a segment wraps too soon for its silences and delays.
+    bool is_too_short(unsigned id, std::size_t segment) const;
+    /// Restarts and wraps of a source's clock and counts: ", its clock wrapped 2 times"; empty: the
+    /// usual.
+    std::string changes(unsigned id) const;
     /// What was found of the clocks: restarts, wraps, offsets that are not those stated.
     std::string report() const;
 
 private:
     struct Source {
         SensorInfo info;
-        Clock clock;
+        SensorClock clock;
         Counter counter;
         std::map<std::uint64_t, std::vector<StreamRecord>> held = {}; // by chain
         std::uint64_t passed = 0;
         double latest = 0;                                  // s, unwrapped, of the current segment
         std::vector<std::pair<double, double>> ranges = {}; // own times of segments that went on
     };
-    bool agrees_with_most(const Source& source, const Clock::Segment& segment) const;
+    void forget(const Source& source, const std::vector<StreamRecord>& held);
+    bool agrees_with_most(const Source& source, const SensorClock::Segment& segment) const;
     double time_of_others(unsigned id) const;
-    GatedRecord pass(Source& source, StreamRecord record, const Clock::Decision& decision);
+    GatedRecord pass(Source& source, StreamRecord record, const SensorClock::Decision& decision);
 
     std::map<unsigned, Source> sources_;
     Accounts accounts_;

@@ -70,9 +70,8 @@ public:
     /// Whether records come from here.
     bool gives_records() const { return gives_records_; }
     /// The records, as lines; called once.
-    std::unique_ptr<BrokerLines> lines(const std::vector<SensorInfo>& infos,
-                                       BrokerLines::Order order) {
-        return std::make_unique<BrokerLines>(link(), infos, order);
+    std::unique_ptr<BrokerLines> lines(const std::vector<SensorInfo>& infos) {
+        return std::make_unique<BrokerLines>(link(), infos);
     }
     BrokerLink& link() { return logged_ ? *logged_ : source(); }
     /// Name of the run in its signs of life and alarms: of its session, else of its scenario.

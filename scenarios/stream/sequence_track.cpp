@@ -10,7 +10,8 @@ namespace {
 constexpr std::int64_t longest_gap = 1 << 20; // samples
 constexpr double longest_pause = 86400;       // s, of a sensor that sleeps between trains
 constexpr double tolerance = 1;               // s, of the time of a sample
-constexpr unsigned agreeing = 3; // messages that follow each other, from which they are believed
+constexpr double longest_late = 10; // s, by which what contradicts a message is behind the last one
+constexpr unsigned agreeing = 3;    // messages that follow each other, from which they are believed
 constexpr std::uint64_t silence = 100; // messages of a second sensor after which the first is gone
 constexpr std::size_t most_gaps = 64;
 
@@ -53,7 +54,10 @@ SequenceTrack::Verdict SequenceTrack::take(const Message& m) {
             remember(m);
             return Verdict::late;
         }
-        return repeated(m);
+        if (const Verdict verdict = known(m); verdict != Verdict::accepted) {
+            ++(verdict == Verdict::duplicate ? counters_.duplicates : counters_.contradictions);
+            return verdict;
+        }
     }
     return unexpected(m);
 }
@@ -75,9 +79,7 @@ void SequenceTrack::accept(const Message& m) {
     remember(m);
 }
 
-void SequenceTrack::remember(const Message& m) {
-    recent_[recent_count_++ % recent_.size()] = {m.sequence, m.hash};
-}
+void SequenceTrack::remember(const Message& m) { recent_[recent_count_++ % recent_.size()] = m; }
 
 /// Whether all of the samples are missing; then they are no longer.
 bool SequenceTrack::fills_gap(std::int64_t from, std::int64_t to) {
@@ -93,15 +95,20 @@ bool SequenceTrack::fills_gap(std::int64_t from, std::int64_t to) {
     return true;
 }
 
-SequenceTrack::Verdict SequenceTrack::repeated(const Message& m) {
-    const std::size_t known = std::min(recent_count_, recent_.size());
-    for (std::size_t k = 0; k < known; ++k)
-        if (recent_[k].first == m.sequence && recent_[k].second != m.hash) {
-            ++counters_.contradictions;
-            return Verdict::contradiction;
-        }
-    ++counters_.duplicates;
-    return Verdict::duplicate;
+/// What a message is by its sequence number, time and contents; accepted: it is not known, as after
+/// a restart or a wrap.
+SequenceTrack::Verdict SequenceTrack::known(const Message& m) const {
+    const std::size_t count = std::min(recent_count_, recent_.size());
+    Verdict verdict = Verdict::accepted;
+    for (std::size_t k = 0; k < count; ++k) {
+        const Message& before = recent_[k];
+        if (before.sequence != m.sequence) continue;
+        if (before.hash == m.hash) return Verdict::duplicate;
+        if (m.time >= last_time_ - longest_late &&
+            std::abs(before.time - m.time) <= m.samples * m.interval)
+            verdict = Verdict::contradiction;
+    }
+    return verdict;
 }
 
 /// A message that continues nothing: the sensor has restarted, its clock has been set, or another
@@ -111,19 +118,24 @@ SequenceTrack::Verdict SequenceTrack::unexpected(const Message& m) {
     if (!continues) {
         counters_.forgotten += std::min<unsigned>(held_count_, agreeing - 1);
         held_count_ = 1;
+        held_samples_ = m.samples;
         accepted_since_held_ = 0;
         held_ = m;
         return Verdict::held_anew;
     }
     held_ = m;
     ++held_count_;
-    if (held_count_ < agreeing) return Verdict::held;
+    if (held_count_ < agreeing) {
+        held_samples_ += m.samples;
+        return Verdict::held;
+    }
     if (accepted_since_held_ > 0 && ++rivals_alone_ < silence) { // beside the first sequence
         ++counters_.rivals;
         held_count_ = agreeing;
         return Verdict::rival;
     }
     ++counters_.restarts;
+    counters_.samples += held_samples_;
     begin_at(m);
     accept(m);
     return Verdict::adopted;

@@ -7,8 +7,9 @@
 
 namespace bris {
 
-/// Sequence numbers and clock of one sensor's messages. Says what to do with each of them and
-/// counts what was lost. Takes a bounded amount of memory.
+/// Sequence numbers of one sensor's messages: says what each of them is, and counts what was lost.
+/// Times are judged by the Gate, behind which the samples are used. Takes a bounded amount of
+/// memory.
 class SequenceTrack {
 public:
     struct Message {
@@ -43,7 +44,8 @@ private:
     using Interval = std::pair<std::int64_t, std::int64_t>; // [from, to) of missing samples
     void accept(const Message& message);
     bool fills_gap(std::int64_t from, std::int64_t to);
-    Verdict repeated(const Message& message);
+    /// Whether a message of this sequence number and time came lately, and with these contents.
+    Verdict known(const Message& message) const;
     Verdict unexpected(const Message& message);
     void begin_at(const Message& message);
     void remember(const Message& message);
@@ -52,10 +54,11 @@ private:
     std::int64_t next_ = 0; // expected sequence number, unwrapped
     double last_time_ = 0;  // of the sample before
     std::vector<Interval> missing_;
-    std::array<std::pair<std::uint32_t, std::uint64_t>, 64> recent_{}; // sequence and hash
+    std::array<Message, 1024> recent_{};
     std::size_t recent_count_ = 0;
     Message held_{}; // the last one that is held
     unsigned held_count_ = 0;
+    std::uint64_t held_samples_ = 0;
     std::uint64_t accepted_since_held_ = 0; // messages
     std::uint64_t rivals_alone_ = 0;        // messages of a second sensor since one of the first
     Counters counters_;

@@ -174,9 +174,7 @@ DayResult judge(const TrainDay& day, std::unique_ptr<Lines> lines, PassageStream
 }
 
 DayResult judge(const TrainDay& day, BrokerLink& link, const PassageStreamSettings& settings) {
-    return judge(
-        day, std::make_unique<BrokerLines>(link, day.infos, BrokerLines::Order::judged_by_gate),
-        settings);
+    return judge(day, std::make_unique<BrokerLines>(link, day.infos), settings);
 }
 
 } // namespace

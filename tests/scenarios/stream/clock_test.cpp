@@ -23,14 +23,14 @@ struct Sorted {
     std::vector<double> times; ///< unwrapped, of what was kept
 };
 
-Sorted sort(Clock& clock, const std::vector<Clock::Reading>& readings) {
+Sorted sort(SensorClock& clock, const std::vector<SensorClock::Reading>& readings) {
     Sorted s;
     std::map<std::uint64_t, std::vector<double>> held;
-    for (const Clock::Reading& r : readings) {
-        const Clock::Decision d = clock.take(r);
-        if (d.held != Clock::Action::hold) {
-            (d.held == Clock::Action::keep ? s.kept : s.left_out) += held[d.chain].size();
-            if (d.held == Clock::Action::keep)
+    for (const SensorClock::Reading& r : readings) {
+        const SensorClock::Decision d = clock.take(r);
+        if (d.held != SensorClock::Action::hold) {
+            (d.held == SensorClock::Action::keep ? s.kept : s.left_out) += held[d.chain].size();
+            if (d.held == SensorClock::Action::keep)
                 for (const double t : held[d.chain]) s.times.push_back(t + d.turns);
             held.erase(d.chain);
         }
@@ -38,9 +38,9 @@ Sorted sort(Clock& clock, const std::vector<Clock::Reading>& readings) {
             s.left_out += held[d.forgotten].size();
             held.erase(d.forgotten);
         }
-        if (d.record == Clock::Action::hold)
+        if (d.record == SensorClock::Action::hold)
             held[d.chain].push_back(r.t);
-        else if (d.record == Clock::Action::leave_out)
+        else if (d.record == SensorClock::Action::leave_out)
             ++s.left_out;
         else {
             ++s.kept;
@@ -52,8 +52,8 @@ Sorted sort(Clock& clock, const std::vector<Clock::Reading>& readings) {
 }
 
 /// Readings every 0.1 s; the clock leads by `lead`, and records take 0.3 s.
-std::vector<Clock::Reading> steady(double from, double to, double lead, bool arrives = true) {
-    std::vector<Clock::Reading> all;
+std::vector<SensorClock::Reading> steady(double from, double to, double lead, bool arrives = true) {
+    std::vector<SensorClock::Reading> all;
     for (int k = 0; k < static_cast<int>((to - from) / 0.1 + 0.5); ++k) {
         const double time = from + 0.1 * k;
         all.push_back({time + lead, arrives ? time + 0.3 : nan, nan,
@@ -62,7 +62,7 @@ std::vector<Clock::Reading> steady(double from, double to, double lead, bool arr
     return all;
 }
 
-void append(std::vector<Clock::Reading>& all, const std::vector<Clock::Reading>& more) {
+void append(std::vector<SensorClock::Reading>& all, const std::vector<SensorClock::Reading>& more) {
     all.insert(all.end(), more.begin(), more.end());
 }
 
@@ -70,7 +70,7 @@ void append(std::vector<Clock::Reading>& all, const std::vector<Clock::Reading>&
 
 TEST_SUITE("stream/clock") {
     TEST_CASE("the offset is the lower envelope of arrival less own time, confirmed after 10 s") {
-        Clock clock(10);
+        SensorClock clock(10);
         auto readings = steady(100, 130, -40);
         for (std::size_t k = 0; k < readings.size(); k += 3) readings[k].arrival += 5; // bursts
         CHECK(sort(clock, readings).kept == 300);
@@ -79,7 +79,7 @@ TEST_SUITE("stream/clock") {
     }
 
     TEST_CASE("records that were stored and come in a burst confirm nothing") {
-        Clock clock(10);
+        SensorClock clock(10);
         auto readings = steady(0, 60, 0);
         for (std::size_t k = 0; k < readings.size(); ++k)
             readings[k].arrival = 5000 + 1e-3 * static_cast<double>(k);
@@ -91,9 +91,9 @@ TEST_SUITE("stream/clock") {
         for (const std::size_t at : {std::size_t{0}, std::size_t{1}, std::size_t{50}})
             for (const double wrong : {1e9, -1e9, 3600.0, -3600.0})
                 for (const bool arrives : {true, false}) {
-                    Clock clock(10);
+                    SensorClock clock(10);
                     auto readings = steady(100, 130, 0, arrives);
-                    Clock::Reading bad = readings[at];
+                    SensorClock::Reading bad = readings[at];
                     bad.t += wrong;
                     bad.content = 7;
                     // copies of one record are one record
@@ -109,7 +109,7 @@ TEST_SUITE("stream/clock") {
     }
 
     TEST_CASE("a clock of 32 bits of us wraps, and its unwrapped times go on") {
-        Clock clock(10);
+        SensorClock clock(10);
         auto readings = steady(4280, 4310, 0);
         for (auto& r : readings) r.t = std::fmod(r.t, 4294.967296);
         const Sorted s = sort(clock, readings);
@@ -122,7 +122,7 @@ TEST_SUITE("stream/clock") {
     TEST_CASE("a restart, and a clock that is set back or ahead, begin a segment with an offset of "
               "its own") {
         for (const double set : {-100.0, -3600.0, 3.15e7}) {
-            Clock clock(10);
+            SensorClock clock(10);
             auto readings = steady(100, 160, 0);
             append(readings, steady(160, 200, set));
             const Sorted s = sort(clock, readings);
@@ -135,7 +135,7 @@ TEST_SUITE("stream/clock") {
     }
 
     TEST_CASE("records that are sent an hour later fill their gap") {
-        Clock clock(10);
+        SensorClock clock(10);
         auto readings = steady(100, 130, 0), late = steady(130, 150, 0);
         append(readings, steady(150, 400, 0));
         for (std::size_t k = 0; k < late.size(); ++k)
@@ -152,7 +152,7 @@ TEST_SUITE("stream/clock") {
     }
 
     TEST_CASE("a minute of records that is sent again is left out") {
-        Clock clock(10);
+        SensorClock clock(10);
         auto readings = steady(100, 200, 0), again = steady(120, 180, 0);
         for (auto& r : again) r.arrival = 300 + 1e-3 * (r.t - 120);
         append(readings, again);
@@ -164,9 +164,9 @@ TEST_SUITE("stream/clock") {
     }
 
     TEST_CASE("a second clock under the same id is left out while the first goes on") {
-        Clock clock(10);
+        SensorClock clock(10);
         const auto first = steady(100, 160, 0), second = steady(100, 160, 5000);
-        std::vector<Clock::Reading> readings;
+        std::vector<SensorClock::Reading> readings;
         for (std::size_t k = 0; k < first.size(); ++k) {
             readings.push_back(first[k]);
             readings.push_back(second[k]);
@@ -178,7 +178,7 @@ TEST_SUITE("stream/clock") {
 
     TEST_CASE("a clock may drift by 200 ppm for a week") {
         for (const double drift : {-200e-6, 200e-6}) {
-            Clock clock(10);
+            SensorClock clock(10);
             std::size_t kept = 0;
             for (int day = 0; day < 7; ++day) {
                 auto readings = steady(86400.0 * day, 86400.0 * day + 30, 0);
