@@ -132,10 +132,11 @@ void write_example(const std::filesystem::path& folder, const Monitor& m, std::u
 
 void check(const Monitor& m, const Common& common) {
     const MonitorSettings& s = m.settings;
-    require(common.resume.empty() || std::filesystem::exists(common.resume / log_name),
-            fmt::format("--resume: expected a folder of results with {}, the log of a stream; files "
-                        "are read from their beginning; found '{}'",
-                        log_name, common.resume.string()));
+    require(
+        common.resume.empty() || std::filesystem::exists(common.resume / log_name),
+        fmt::format("--resume: expected a folder of results with {}, the log of a stream; files "
+                    "are read from their beginning; found '{}'",
+                    log_name, common.resume.string()));
     require(s.band_high > s.band_low,
             fmt::format("--band-low, --band-high: expected a band, found {:g} to {:g} Hz",
                         s.band_low, s.band_high));
@@ -383,9 +384,9 @@ private:
         PublishedAlarm alarm;
         std::vector<ValueOf<NumbersOf::sensor>> numbers;
     };
-    std::map<unsigned, News> news_; // of each sensor, not published so far
-    bool is_repeating_ = false;     // an earlier session: its news are old
-    double recorded_ = 0, began_ = 0;          // s; of a stream without the time for the baseline
+    std::map<unsigned, News> news_;   // of each sensor, not published so far
+    bool is_repeating_ = false;       // an earlier session: its news are old
+    double recorded_ = 0, began_ = 0; // s; of a stream without the time for the baseline
 };
 
 void run(const Monitor& monitor, const Common& common) { MonitorRun(monitor, common).run(); }

@@ -98,9 +98,9 @@ void PassageStream::keep(GatedRecord record) {
     if (join(sensor, record.segment, record)) return;
     Open& open = sensor.open[record.segment];
     if (is_too_late(sensor, open, record))
-        return gate_.leave_out(LeftOut::too_late, fmt::format("line {}: sensor {}: t = {:.10g} s",
-                                                              record.record.line, record.id,
-                                                              record.t));
+        return gate_.leave_out(LeftOut::too_late,
+                               fmt::format("line {}: sensor {}: t = {:.10g} s", record.record.line,
+                                           record.id, record.t));
     open.newest = std::max(open.newest, record.t);
     open.latest = open.samples.empty() ? record.t : std::max(open.latest, record.t);
     open.samples.add(record);

@@ -56,8 +56,8 @@ struct SensorBaseline {
     ControlChart means, deviations; ///< of subgroups of residuals; logarithms of deviations
     double outlier_share = 0;       ///< of its own points
     Spectrum spectrum;
-    RollPitchYaw rotation;           ///< rad, root mean squares
-    double rate_per_force = 0;       ///< rad/s per m/s2, median; see vibration.hpp
+    RollPitchYaw rotation;            ///< rad, root mean squares
+    double rate_per_force = 0;        ///< rad/s per m/s2, median; see vibration.hpp
     std::vector<Beginnings> recorded; ///< to find out if one of them is monitored
 };
 

@@ -7,8 +7,9 @@
 using namespace bris;
 
 TEST_SUITE("engine/io/arrival") {
-    TEST_CASE("the arrivals of a resumed run go on as before while the computer is on, whatever the "
-              "wall clock says, and never go back after that") {
+    TEST_CASE(
+        "the arrivals of a resumed run go on as before while the computer is on, whatever the "
+        "wall clock says, and never go back after that") {
         const ArrivalsBefore before{.anchor = 1000, .last = 1500, .boot = "a"};
         for (const double wall : {-3000.0, 1000.0, 4600.0}) // it was set
             CHECK(anchor_after(before, "a", 700, wall) == 1000);

@@ -192,25 +192,25 @@ RestartedDay follow_restarted(const TrainDay& day, std::vector<Sent> samples, Wa
     const TemporaryDirectory folder;
     const auto path = folder / "stream.ndjson";
     const auto records = way == Way::broker ? LoggedRecords::messages : LoggedRecords::lines;
-    const auto resumed = std::ranges::find_if(
-        samples, [&](const Sent& s) { return s.arrival >= down.begin; });
+    const auto resumed =
+        std::ranges::find_if(samples, [&](const Sent& s) { return s.arrival >= down.begin; });
     const double by = anchor_after({.last = std::prev(resumed)->arrival}, "another boot", down.end,
                                    ahead); // of a clock that shows the time since then
-    for (auto s = resumed; s != samples.end(); ++s) s->arrival = std::max(s->arrival, down.end) + by;
+    for (auto s = resumed; s != samples.end(); ++s)
+        s->arrival = std::max(s->arrival, down.end) + by;
     RestartedDay day_found;
-    for (const auto& part : {std::vector<Sent>(samples.begin(), resumed),
-                             std::vector<Sent>(resumed, samples.end())}) {
+    for (const auto& part :
+         {std::vector<Sent>(samples.begin(), resumed), std::vector<Sent>(resumed, samples.end())}) {
         auto log = std::make_shared<StreamLog>(path, records, std::uint64_t{1} << 40);
         if (way == Way::broker) {
             GivenLink link(messages_of(part));
             LoggedLink logged(link, log);
             day_found.found = judge(day, logged, {});
         } else {
-            day_found.found =
-                judge(day,
-                      std::make_unique<LoggedLines>(
-                          std::make_unique<GivenLines>(lines_of(part, way)), log),
-                      {});
+            day_found.found = judge(day,
+                                    std::make_unique<LoggedLines>(
+                                        std::make_unique<GivenLines>(lines_of(part, way)), log),
+                                    {});
         }
     }
     if (way == Way::broker) {

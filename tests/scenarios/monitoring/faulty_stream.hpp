@@ -56,8 +56,8 @@ DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
 struct RestartedDay {
     DayResult found, replayed;
 };
-RestartedDay follow_restarted(const TrainDay& day, std::vector<Sent> samples, Way way, Interval down,
-                              double ahead);
+RestartedDay follow_restarted(const TrainDay& day, std::vector<Sent> samples, Way way,
+                              Interval down, double ahead);
 
 /// Lines from memory.
 class GivenLines : public Lines {

@@ -217,7 +217,8 @@ void check_restarts(unsigned sensors) {
         const DayResult good = follow(day, day.samples, way);
         REQUIRE(good.all_clear == 2 * sensors);
         for (const auto& [name, down_for, set_by] :
-             {Restart{"monitor restarted", 60, 0}, {"restarted and its clock set 1 h ahead", 60, 3600},
+             {Restart{"monitor restarted", 60, 0},
+              {"restarted and its clock set 1 h ahead", 60, 3600},
               {"restarted and its clock set 1 h back", 60, -3600},
               {"restarted and its clock set a year back", 60, -3.15e7},
               {"restarted at once", 0, 0}}) {
@@ -240,8 +241,9 @@ void check_restarts(unsigned sensors) {
 } // namespace
 
 TEST_SUITE("monitoring/stream_faults") {
-    TEST_CASE("a monitor that is restarted, with its clock set meanwhile, gives the verdicts of one "
-              "that goes on, and its log gives them again to the bit: 1 and 4 sensors") {
+    TEST_CASE(
+        "a monitor that is restarted, with its clock set meanwhile, gives the verdicts of one "
+        "that goes on, and its log gives them again to the bit: 1 and 4 sensors") {
         check_restarts(1);
         check_restarts(4);
     }
