@@ -236,8 +236,10 @@ int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
                                      "--bind-to",
                                      "none",
                                      "--mca",
+                                     // s, twice, for which it waits after a rank's exit code other
+                                     // than 0; by then all ranks have said why they end
                                      "odls_base_sigkill_timeout",
-                                     "5",
+                                     "0",
                                      "--mca",
                                      "btl_vader_single_copy_mechanism",
                                      "none"};

@@ -181,6 +181,7 @@ TEST_SUITE("engine/interrupt") {
         };
         Program again(save), twice(save), later(save), other(save);
         again.send(SIGTERM);
+        pause(0.5); // two that wait together are delivered in order of their numbers
         again.send(SIGINT);
         for (Program* program : {&twice, &later, &other}) program->send(SIGTERM);
         twice.send(SIGTERM);
