@@ -4,6 +4,7 @@
 #include "engine/ensemble.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/random.hpp"
+#include "engine/ranks.hpp"
 #include "engine/stopwatch.hpp"
 #include "tests/scenarios/faults/process.hpp"
 
@@ -181,6 +182,19 @@ TEST_SUITE("faults/stopping") {
                              0.05 + 0.9 * random.uniform()});
         }
         check(stops);
+    }
+
+    TEST_CASE("a run on ranks ends at the first interrupt or termination, and does not wait for "
+              "ranks that have ended") {
+        if (!Ranks::available()) return;
+        for (const int signal : {SIGINT, SIGTERM}) {
+            const Instant began = this_instant();
+            constexpr double after = 4; // s, when the ranks compute
+            CHECK(fault_of({{"settle", "--ranks", "2", "--spheres", "20000", "--duration", "100"},
+                            signal,
+                            after}) == "");
+            CHECK(seconds_since(began) - after < 8 * slower); // mpirun may wait for 10 s
+        }
     }
 
     TEST_CASE("a program that reads a file of very many columns ends at once") {
