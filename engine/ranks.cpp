@@ -228,21 +228,12 @@ int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
         "--ranks: expected a build with MPI, found one without (install libopenmpi-dev and build "
         "again)");
     // quiet: the program itself says why it ends
-    std::vector<std::string> command{"mpirun",
-                                     "--quiet",
-                                     "-n",
-                                     std::to_string(ranks),
-                                     "--oversubscribe",
-                                     "--bind-to",
-                                     "none",
-                                     "--mca",
+    std::vector<std::string> command{"mpirun", "--quiet", "-n", std::to_string(ranks),
+                                     "--oversubscribe", "--bind-to", "none", "--mca",
                                      // s, twice, for which it waits after a rank's exit code other
                                      // than 0; by then all ranks have said why they end
-                                     "odls_base_sigkill_timeout",
-                                     "0",
-                                     "--mca",
-                                     "btl_vader_single_copy_mechanism",
-                                     "none"};
+                                     "odls_base_sigkill_timeout", "0", "--mca",
+                                     "btl_vader_single_copy_mechanism", "none"};
     if (geteuid() == 0) command.emplace_back("--allow-run-as-root");
     command.push_back(std::filesystem::read_symlink("/proc/self/exe").string());
     command.insert(command.end(), arguments.begin(), arguments.end());

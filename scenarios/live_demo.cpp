@@ -9,6 +9,7 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/monitoring/published_numbers.hpp"
+#include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/stream/local_broker.hpp"
 #include "scenarios/stream/log_replay.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
@@ -170,7 +171,7 @@ void run(const Demo& d, const Common& common) {
         client.publish("bris/numbers", published_table(), BrokerLink::Delivery::retained);
         return show_history(d, common, client);
     }
-    const auto lines = stream_of(d.recordings, 1.2, 12);
+    const auto lines = stream_of(d.recordings, 1.2, QualityControlSettings{}.rest);
     auto topics = RecordingReplay::topics();
     topics.emplace_back("bris/scene");
     BrokerClient client(settings, "sensors", topics);

@@ -331,6 +331,7 @@ void LiveRun::run() {
         std::max(live.quality_control.interval, test_settings_.stage_strain);
     test_.emplace(lines(), infos_, live);
     progress_.pause();
+    if (broker_) broker_->report_doing("ready, waiting for the first record of the test machine");
     if (!common_.quiet)
         fmt::print("ready, reading records from {}\n",
                    s_.stream == "-"    ? "standard input"

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <string>
@@ -48,6 +49,22 @@ std::vector<std::string> all_lines(BrokerLines& lines, std::size_t expected) {
         texts.push_back(line->text);
     }
     if (const auto more = lines.next(0.3)) texts.push_back(more->text);
+    return texts;
+}
+
+/// The same without copies: a message that was on its way when a connection broke may come again,
+/// and a Gate behind the lines leaves it out.
+std::vector<std::string> all_different_lines(BrokerLines& lines, std::size_t expected) {
+    std::vector<std::string> texts;
+    const auto add = [&](const std::string& text) {
+        if (std::ranges::find(texts, text) == texts.end()) texts.push_back(text);
+    };
+    while (texts.size() < expected) {
+        const auto line = lines.next(5);
+        if (!line) break;
+        add(line->text);
+    }
+    while (const auto more = lines.next(0.3)) add(more->text);
     return texts;
 }
 
@@ -256,7 +273,7 @@ TEST_SUITE("monitoring/broker") {
         rocks.flush(5);
         CHECK(rocks.counters().acknowledged == count);
         link.cut(false);
-        const auto texts = all_lines(lines, count);
+        const auto texts = all_different_lines(lines, count);
         require_all_in_order(texts, count);
         CHECK(model.counters().breaks == 2);
         CHECK(model.counters().lost_sessions == 0);
@@ -303,7 +320,7 @@ TEST_SUITE("monitoring/broker") {
                                 Delivery::at_least_once));
             if (k > 150) std::this_thread::sleep_for(std::chrono::milliseconds(50));
         }
-        const auto texts = all_lines(lines, count);
+        const auto texts = all_different_lines(lines, count);
         require_all_in_order(texts, count);
         CHECK(rocks.counters().unpublished == 0);
         CHECK(soon([&] { return rocks.counters().acknowledged == count; }));
