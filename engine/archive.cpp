@@ -1,6 +1,7 @@
 #include "engine/archive.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/running_hash.hpp"
 
 #include <fmt/format.h>
 
@@ -8,15 +9,7 @@ namespace bris {
 
 namespace {
 
-// MurmurHash3's 64-bit finaliser as the mixing step of a running hash
-std::uint64_t mix(std::uint64_t h, std::uint64_t word) {
-    h ^= word;
-    h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdu;
-    h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53u;
-    return h ^ (h >> 33);
-}
-
-std::uint64_t mix(std::uint64_t h, const std::byte* data, std::size_t size) {
+std::uint64_t mix_bytes(std::uint64_t h, const std::byte* data, std::size_t size) {
     for (; size >= 8; data += 8, size -= 8) {
         std::uint64_t word;
         std::memcpy(&word, data, 8);
@@ -48,7 +41,7 @@ std::uint64_t fingerprint(const Archive& archive, const std::string& prefix) {
     for (const auto& array : archive.arrays()) {
         if (!array.path.starts_with(prefix) || array.path.starts_with("guard/")) continue;
         h = mix(mix(h, array.scalar_size), array.columns);
-        h = mix(h, array.bytes.data(), array.bytes.size());
+        h = mix_bytes(h, array.bytes.data(), array.bytes.size());
     }
     return h;
 }

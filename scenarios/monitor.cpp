@@ -212,11 +212,7 @@ public:
                                            : "broker " + m_.broker.client.address;
         }
         baseline_ = baseline.string();
-        baselines_ = baselines_of(
-            [&](const auto& collect) {
-                for_each_passage(baseline, m_.columns, "--baseline", collect);
-            },
-            settings_);
+        baselines_ = read_baselines(baseline, m_.columns, "--baseline", settings_);
         check_band(baselines_, settings_);
         if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
         log_.emplace(common_.out);

@@ -18,7 +18,7 @@ namespace bris {
 
 namespace {
 
-constexpr double same_strain = 1e-9;    // tolerance of comparisons of axial strain
+constexpr double same_strain = MachineTimes::same_strain;
 constexpr std::size_t most_kinds = 40;  // of faults that are listed apart
 constexpr std::size_t fewest_times = 3; // number of differences from which a clock is judged
 
@@ -172,23 +172,20 @@ void LiveTest::pass_gate(StreamRecord record, SensorRecords& sensor) {
     const SensorSample* known = sensor.recorded_at(record.number("t"));
     if (known != nullptr && same_numbers(*known, sample_of(record))) {
         ++sensor.twice;
-        return gate_.leave_out(LeftOut::again, fmt::format("line {}: sensor {}: t = {:.10g} s",
-                                                           record.line, id, record.number("t")));
+        return gate_.leave_out(LeftOut::again, place_of(record, record.number("t")));
     }
-    if (known == nullptr && sensor.add_between(record, times_.last_t_at(record.line))) {
-        sensor.late +=
-            static_cast<std::uint64_t>(record.number("strain") < followed_ - same_strain);
-        return;
-    }
+    const auto count_if_late = [&](const StreamRecord& r) {
+        sensor.late += static_cast<std::uint64_t>(r.number("strain") < followed_ - same_strain);
+    };
+    if (known == nullptr && sensor.add_between(record, times_.last_t_at(record.line)))
+        return count_if_late(record);
     const std::uint64_t again = gate_.accounts().count(LeftOut::again);
     for (const GatedRecord& passed : gate_.take(std::move(record))) {
-        const double strain = passed.record.number("strain");
         if (!sensor.add(passed, times_.last_t_at(passed.record.line))) {
-            gate_.leave_out(LeftOut::contradiction, fmt::format("line {}: sensor {}: t = {:.10g} s",
-                                                                passed.record.line, id, passed.t));
+            gate_.leave_out(LeftOut::contradiction, place_of(passed.record, passed.t));
             continue;
         }
-        sensor.late += static_cast<std::uint64_t>(strain < followed_ - same_strain);
+        count_if_late(passed.record);
         sensor.update(gate_, id, passed.segment);
     }
     sensor.twice += gate_.accounts().count(LeftOut::again) - again;
@@ -253,17 +250,22 @@ void LiveTest::accept(const StreamRecord& record) {
                                   record.line, phase, times_.last_phase()));
 }
 
+/// Whether the strain of a sample without one is found by its phase.
+bool LiveTest::goes_by_phase(const SensorSample& sample) const {
+    return !sample.has(in_sample::strain) && sample.has(in_sample::phase) &&
+           !times_.strain_at().by_phase.empty();
+}
+
 /// Axial strain of a sample by its own strain or phase; NaN: it has neither.
 double LiveTest::own_strain(const SensorSample& sample) const {
     if (sample.has(in_sample::strain)) return sample.numbers[in_sample::strain];
-    if (sample.has(in_sample::phase) && !times_.strain_at().by_phase.empty())
+    if (goes_by_phase(sample))
         return strain_between(times_.strain_at().by_phase, sample.numbers[in_sample::phase]);
     return std::nan("");
 }
 
 double LiveTest::strain_of(double t, const SensorSample& sample) const {
-    const bool has_own = sample.has(in_sample::strain) ||
-                         (sample.has(in_sample::phase) && !times_.strain_at().by_phase.empty());
+    const bool has_own = sample.has(in_sample::strain) || goes_by_phase(sample);
     return has_own ? own_strain(sample) : strain_between(times_.strain_at().by_time, t);
 }
 
@@ -352,7 +354,7 @@ void LiveTest::check_clocks(RecordedTest& test, const Timelines& timelines) cons
         bool needed = false;        // whether a record's strain is found by t
         for (const PlacedSample& one : timeline.samples) {
             if (one.sample->has(in_sample::strain)) continue;
-            if (one.sample->has(in_sample::phase) && !times_.strain_at().by_phase.empty())
+            if (goes_by_phase(*one.sample))
                 phases.push_back(one.sample->numbers[in_sample::phase]);
             else
                 needed = true;

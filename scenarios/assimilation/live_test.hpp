@@ -76,6 +76,7 @@ private:
     void note_far_off(const StreamRecord& record, const char* who, double strain);
     void note(const std::string& kind, const std::string& text);
     void look_for_numbers(const StreamRecord& record);
+    bool goes_by_phase(const SensorSample& sample) const;
     double own_strain(const SensorSample& sample) const;
     double strain_of(double t, const SensorSample& sample) const;
     using Timelines = std::map<unsigned, SensorTimeline>;

@@ -13,7 +13,6 @@ namespace {
 // of the machine's strain while time goes on
 constexpr double largest_step_back = 5e-4;
 constexpr std::ptrdiff_t most_wrong_times = 2;
-constexpr double same_strain = 1e-9; // tolerance of comparisons of axial strain
 
 } // namespace
 

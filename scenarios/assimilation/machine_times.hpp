@@ -13,6 +13,8 @@ namespace bris {
 /// and single ones may have a wrong time.
 class MachineTimes {
 public:
+    static constexpr double same_strain = 1e-9; ///< tolerance of comparisons of axial strain
+
     /// Enters the t (s) at which the machine had a strain. `line`: number of the line that is
     /// processed. Strain and time increase together: returns false for a t that contradicts many
     /// others; one or two that contradict it are forgotten.

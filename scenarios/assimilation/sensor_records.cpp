@@ -139,10 +139,14 @@ bool SensorRecords::add(const GatedRecord& record, double machine_t) {
     sample.count = record.count;
     Segment& segment = segments_[record.segment];
     segment.turns = record.turns;
+    return enter(segment, record.t, std::move(sample), machine_t);
+}
+
+bool SensorRecords::enter(Segment& segment, double t, SensorSample sample, double machine_t) {
     const std::uint64_t sent = sample.sent;
-    if (!segment.by_time.emplace(record.t, std::move(sample)).second) return false;
+    if (!segment.by_time.emplace(t, std::move(sample)).second) return false;
     sent_ |= sent;
-    if (std::isfinite(machine_t)) segment.ahead.push_back(record.t - clock_offset_ - machine_t);
+    if (std::isfinite(machine_t)) segment.ahead.push_back(t - clock_offset_ - machine_t);
     return true;
 }
 
@@ -168,10 +172,7 @@ bool SensorRecords::add_between(const StreamRecord& record, double machine_t) {
     if (earlier.count >= 0 && sample.has(in_sample::sequence))
         sample.count = earlier.count + std::llround(sample.numbers[in_sample::sequence] -
                                                     earlier.numbers[in_sample::sequence]);
-    sent_ |= sample.sent;
-    segment.by_time.emplace(t, std::move(sample));
-    if (std::isfinite(machine_t)) segment.ahead.push_back(t - clock_offset_ - machine_t);
-    return true;
+    return enter(segment, t, std::move(sample), machine_t);
 }
 
 const SensorSample* SensorRecords::recorded_at(double raw_t) const {

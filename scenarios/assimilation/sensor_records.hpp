@@ -107,6 +107,7 @@ private:
                offset_at_last = SegmentEvidence::unknown;
         bool is_too_short = false; // its clock: t tells nothing
     };
+    bool enter(Segment& segment, double t, SensorSample sample, double machine_t);
     SegmentEvidence evidence_of(const Segment& segment, const TestTimes& times) const;
     void append(SensorTimeline& timeline, const Segment& segment, double shift,
                 const TestTimes& times) const;

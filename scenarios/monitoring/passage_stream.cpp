@@ -98,9 +98,7 @@ void PassageStream::keep(GatedRecord record) {
     if (join(sensor, record.segment, record)) return;
     Open& open = sensor.open[record.segment];
     if (is_too_late(sensor, open, record))
-        return gate_.leave_out(LeftOut::too_late,
-                               fmt::format("line {}: sensor {}: t = {:.10g} s", record.record.line,
-                                           record.id, record.t));
+        return gate_.leave_out(LeftOut::too_late, place_of(record.record, record.t));
     open.newest = std::max(open.newest, record.t);
     open.latest = open.samples.empty() ? record.t : std::max(open.latest, record.t);
     open.samples.add(record);
@@ -120,8 +118,9 @@ bool PassageStream::was_final(double common) const {
     return after != final_.begin() && common <= std::prev(after)->end;
 }
 
-/// Forgets activities whose time, which was not known before, has a final verdict.
-void PassageStream::leave_out_too_late() {
+/// Finds the common times of activities as far as they are known by now, and forgets those on whose
+/// time the verdict is final.
+void PassageStream::find_offsets() {
     for (auto& [id, sensor] : sensors_)
         std::erase_if(sensor.activities, [&](Activity& a) {
             if (a.offset) return false;
@@ -191,7 +190,7 @@ void PassageStream::close(Sensor& sensor, std::size_t segment, Open& open,
             continue;
         }
         made.own = {std::min(a->own.begin, made.own.begin), std::max(a->own.end, made.own.end)};
-        made.samples.merge(a->samples);
+        made.samples.merge(std::move(a->samples));
         if (made.passage == 0) made.passage = a->passage;
         a = sensor.activities.erase(a);
     }
@@ -207,7 +206,7 @@ void PassageStream::update() {
     if (over_)
         for (auto& [id, sensor] : sensors_)
             for (auto& [segment, open] : sensor.open) look(sensor, segment, open, true);
-    leave_out_too_late();
+    find_offsets();
     for (const Group& group : groups()) {
         const bool is_final = over_ || is_complete(group) || is_over_late(group);
         if (is_final || is_due(group)) give(group, is_final);
@@ -301,13 +300,9 @@ void PassageStream::give(const Group& group, bool is_final) {
             continue;
         }
         Samples all;
-        for (const auto& [of, activity] : group.members) {
-            if (of != &sensor) continue;
-            if (is_final) // they are not needed any more
-                all.merge(std::move(activity->samples));
-            else
-                all.merge(activity->samples);
-        }
+        for (const auto& [of, activity] : group.members)
+            if (of == &sensor) // after a final verdict they are not needed any more
+                all.merge(is_final ? std::move(activity->samples) : activity->samples);
         (void)all.sort();
         given.passage.recordings.push_back(all.recording(sensor.info));
     }

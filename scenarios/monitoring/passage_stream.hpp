@@ -104,7 +104,7 @@ private:
     void close(Sensor& sensor, std::size_t segment, Open& open, const Interval& passage);
     bool is_too_late(const Sensor& sensor, const Open& open, const GatedRecord& record) const;
     bool was_final(double common) const;
-    void leave_out_too_late();
+    void find_offsets();
     bool join(Sensor& sensor, std::size_t segment, const GatedRecord& record);
     void update();
     std::vector<Group> groups();

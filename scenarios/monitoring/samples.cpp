@@ -118,8 +118,12 @@ Samples Samples::extract(std::size_t begin, std::size_t end) {
     return part;
 }
 
-void Samples::merge(const Samples& other) {
+void Samples::merge(Samples other) {
     if (other.empty()) return;
+    if (empty()) {
+        *this = std::move(other);
+        return;
+    }
     if (stride_ == 0 || (other.has_ & ~has_) != 0) widen(other.has_);
     for (std::size_t k = 0; k < other.size(); ++k) {
         make_room();
@@ -128,13 +132,6 @@ void Samples::merge(const Samples& other) {
         states_.push_back(other.state(k));
     }
     is_sorted_ = false;
-}
-
-void Samples::merge(Samples&& other) {
-    if (empty())
-        *this = std::exchange(other, {});
-    else
-        merge(std::as_const(other)), other = {};
 }
 
 std::size_t Samples::row_at(double t) const {

@@ -36,8 +36,7 @@ public:
     /// Removes the rows from `begin` to before `end`, and returns them.
     Samples extract(std::size_t begin, std::size_t end);
     /// Adds the rows of another set.
-    void merge(const Samples& other);
-    void merge(Samples&& other);
+    void merge(Samples other);
     /// First row at or after a time.
     std::size_t row_at(double t) const;
     Recording recording(const SensorInfo& info) const;

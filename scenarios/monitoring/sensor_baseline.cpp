@@ -1,6 +1,7 @@
 #include "scenarios/monitoring/sensor_baseline.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/running_hash.hpp"
 #include "engine/signal/median.hpp"
 #include "scenarios/monitoring/vibration.hpp"
 
@@ -152,10 +153,10 @@ ChartPoints chart_points(const SensorBaseline& baseline, Runs runs,
 Beginnings::Beginnings(const Recording& recording) {
     const auto hashes_of = [](const std::vector<Vec3>& samples) {
         std::vector<std::uint64_t> found;
-        std::uint64_t hash = 0xcbf29ce484222325u;
+        std::uint64_t hash = 0;
         for (std::size_t k = 0; k < samples.size(); ++k) {
             for (const double x : {samples[k].x(), samples[k].y(), samples[k].z()})
-                hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x100000001b3u;
+                hash = mix(hash, std::bit_cast<std::uint64_t>(x));
             if (std::has_single_bit(k + 1)) found.push_back(hash);
         }
         return found;
@@ -172,20 +173,18 @@ bool Beginnings::are_those_of(const Beginnings& other) const {
     return alike(force, other.force) || alike(rate, other.rate);
 }
 
-std::vector<SensorBaseline> baselines_of(const std::vector<Passage>& passages,
-                                         const MonitorSettings& settings) {
-    return baselines_of([&](const auto& take) { std::ranges::for_each(passages, take); }, settings);
+namespace {
+
+using CollectedById = std::map<unsigned, Collected>;
+
+void collect(CollectedById& by_id, const Passage& passage, const MonitorSettings& settings) {
+    const auto findings = findings_of(passage, settings);
+    for (const Recording& r : passage.recordings)
+        collect(by_id[r.info.id], r, refusal_of(findings, r.info.id), settings);
 }
 
-std::vector<SensorBaseline>
-baselines_of(const std::function<void(const std::function<void(const Passage&)>&)>& each,
-             const MonitorSettings& settings) {
-    std::map<unsigned, Collected> by_id;
-    each([&](const Passage& passage) {
-        const auto findings = findings_of(passage, settings);
-        for (const Recording& r : passage.recordings)
-            collect(by_id[r.info.id], r, refusal_of(findings, r.info.id), settings);
-    });
+std::vector<SensorBaseline> baselines_of(const CollectedById& by_id,
+                                         const MonitorSettings& settings) {
     std::vector<SensorBaseline> baselines;
     for (const auto& [id, all] : by_id) {
         SensorBaseline& b = baselines.emplace_back();
@@ -200,6 +199,25 @@ baselines_of(const std::function<void(const std::function<void(const Passage&)>&
         }
     }
     return baselines;
+}
+
+} // namespace
+
+std::vector<SensorBaseline> baselines_of(const std::vector<Passage>& passages,
+                                         const MonitorSettings& settings) {
+    CollectedById by_id;
+    for (const Passage& passage : passages) collect(by_id, passage, settings);
+    return baselines_of(by_id, settings);
+}
+
+std::vector<SensorBaseline> read_baselines(const std::filesystem::path& folder,
+                                           const std::filesystem::path& columns,
+                                           const std::string& option,
+                                           const MonitorSettings& settings) {
+    CollectedById by_id;
+    for_each_passage(folder, columns, option,
+                     [&](const Passage& passage) { collect(by_id, passage, settings); });
+    return baselines_of(by_id, settings);
 }
 
 } // namespace bris

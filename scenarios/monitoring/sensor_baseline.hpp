@@ -8,7 +8,7 @@
 #include "scenarios/recordings/quality_control.hpp"
 
 #include <cstdint>
-#include <functional>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -66,11 +66,12 @@ struct SensorBaseline {
 /// no baseline, with the reason.
 std::vector<SensorBaseline> baselines_of(const std::vector<Passage>& passages,
                                          const MonitorSettings& settings);
-/// The same of passages that are read one after the other, of which one is in memory at a time.
-/// `each` calls its argument with every passage.
-std::vector<SensorBaseline>
-baselines_of(const std::function<void(const std::function<void(const Passage&)>&)>& each,
-             const MonitorSettings& settings);
+/// The same of the passages in a folder, as read_passages reads them, but with one in memory at a
+/// time.
+std::vector<SensorBaseline> read_baselines(const std::filesystem::path& folder,
+                                           const std::filesystem::path& columns,
+                                           const std::string& option,
+                                           const MonitorSettings& settings);
 
 /// The points of the charts of some runs: means and logarithms of deviations of subgroups of
 /// residuals, in standard deviations of the baseline.

@@ -25,7 +25,7 @@ enum class LeftOut {
 inline constexpr std::size_t kinds_left_out = 10;
 const char* text_of(LeftOut reason);
 
-/// SensorClock of one source of records, which may begin anywhere, wrap, restart, be set, drift by
+/// The clock of one source of records, which may begin anywhere, wrap, restart, be set, drift by
 /// up to 200 ppm, and be wrong in single records. It sorts the records into *segments*: within one
 /// the clock went on undisturbed. A record whose time does not follow is held until three different
 /// ones that follow each other agree with it; what they are is then decided:

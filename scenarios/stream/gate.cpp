@@ -1,6 +1,7 @@
 #include "scenarios/stream/gate.hpp"
 
 #include "engine/printable.hpp"
+#include "engine/running_hash.hpp"
 #include "engine/signal/median.hpp"
 
 #include <fmt/format.h>
@@ -23,18 +24,19 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Of the numbers of a record, which tells copies from others.
 std::uint64_t content_of(const StreamRecord& record) {
-    std::uint64_t hash = 0xcbf29ce484222325u;
+    std::uint64_t hash = 0;
     for (const auto& [name, number] : record.numbers())
-        hash = (hash ^ std::bit_cast<std::uint64_t>(number)) * 0x100000001b3u;
+        hash = mix(hash, std::bit_cast<std::uint64_t>(number));
     return hash;
 }
 
-std::string place_of(const StreamRecord& record) {
-    return fmt::format("line {}: sensor {}: t = {:.10g} s", record.line, record.number("id"),
-                       record.number("t"));
-}
+std::string place_of(const StreamRecord& record) { return place_of(record, record.number("t")); }
 
 } // namespace
+
+std::string place_of(const StreamRecord& record, double t) {
+    return fmt::format("line {}: sensor {}: t = {:.10g} s", record.line, record.number("id"), t);
+}
 
 void Accounts::add(LeftOut reason, const std::string& example, std::uint64_t count) {
     const auto k = static_cast<std::size_t>(reason);

@@ -39,6 +39,9 @@ struct GatedRecord {
     double turns = 0; ///< s, of the wraps in t
 };
 
+/// Where a record stands, for messages: "line 41: sensor 1: t = 10.25 s".
+std::string place_of(const StreamRecord& record, double t);
+
 /// Where the times of a segment come from.
 enum class TimeBasis {
     arrival, ///< the lower envelope of arrival less own time

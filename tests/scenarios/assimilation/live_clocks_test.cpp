@@ -2,6 +2,7 @@
 #include "scenarios/assimilation/twin.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
 #include "tests/about.hpp"
+#include "tests/given_lines.hpp"
 #include "tests/scenarios/assimilation/logged.hpp"
 #include "tests/scenarios/assimilation/steady_run.hpp"
 #include "tests/temporary_directory.hpp"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -23,27 +25,11 @@ constexpr double middle = 120; // s, in the test, which goes on from 60 to 180 s
 constexpr int disturbed = 2;   // the id of the sensor whose records are changed
 constexpr auto clock_32_bits_of_us = 4294.967296, clock_16_bits_of_ms = 65.536; // s, periods
 
-struct StreamLine {
-    std::string text;
-    double arrival;
-};
+using StreamLine = Lines::Line;
 
-/// Lines as a broker or a pipe gives them, with their times of arrival.
-class ArrivedLines : public Lines {
-public:
-    explicit ArrivedLines(std::vector<StreamLine> lines) : lines_(std::move(lines)) {}
-    std::optional<Line> next(double) override {
-        if (over()) return {};
-        const StreamLine& line = lines_[next_++];
-        return Line{next_, line.text, this_instant(), true, line.arrival};
-    }
-    bool over() const override { return next_ == lines_.size(); }
-    double now() const override { return over() ? no_arrival : lines_[next_].arrival; }
-
-private:
-    std::vector<StreamLine> lines_;
-    std::size_t next_ = 0;
-};
+std::deque<StreamLine> deque_of(const std::vector<StreamLine>& lines) {
+    return {lines.begin(), lines.end()};
+}
 
 double number_in(const std::string& line, const std::string& name) {
     const auto at = line.find("\"" + name + "\": ");
@@ -109,7 +95,7 @@ std::vector<StreamLine> Disturbance::lines() const {
             line = with_number(line, "t", clock(t + begin));
         }
         if (std::isfinite(t)) arrival = std::max(arrival, epoch + t + delay);
-        all.push_back({line, arrives ? arrival : no_arrival});
+        all.push_back({all.size() + 1, line, this_instant(), true, arrives ? arrival : no_arrival});
     }
     return all;
 }
@@ -119,7 +105,7 @@ std::unique_ptr<LiveTest> Disturbance::test(std::vector<StreamLine> lines) const
     for (SensorInfo& info : infos)
         if (info.id == disturbed) info.clock_offset = begin;
     auto test = std::make_unique<LiveTest>(
-        std::make_unique<ArrivedLines>(std::move(lines)), std::move(infos),
+        std::make_unique<testing::GivenLines>(deque_of(lines)), std::move(infos),
         LiveSettings{.timeout = 2, .quality_control = {.interval = 5e-5}});
     for (int k = 0; k <= 100; k += 10) (void)test->follow_to(1e-4 * k);
     (void)test->follow_to(1);
@@ -356,7 +342,8 @@ TEST_SUITE("assimilation/live_test") {
         std::erase_if(lines, [&](const StreamLine& line) {
             return number_in(line.text, "id") == disturbed && ++place % 10 != 0;
         });
-        LiveTest test(std::make_unique<ArrivedLines>(lines), infos, {.timeout = 2});
+        LiveTest test(std::make_unique<testing::GivenLines>(deque_of(lines)), infos,
+                      {.timeout = 2});
         (void)test.follow_to(1);
         CHECK(test.so_far().refused() == 1);
         CHECK(says(test, "sensor 2: refused: clock: expected records whose times follow each "
@@ -377,7 +364,7 @@ TEST_SUITE("assimilation/live_test") {
             return std::pair{strains, test.report()};
         };
         const auto live = read(std::make_unique<LoggedLines>(
-            std::make_unique<ArrivedLines>(d.lines()),
+            std::make_unique<testing::GivenLines>(deque_of(d.lines())),
             std::make_shared<StreamLog>(folder / "log", LoggedRecords::lines,
                                         std::uint64_t{1} << 30)));
         const auto again = read(open_lines(folder / "log"));

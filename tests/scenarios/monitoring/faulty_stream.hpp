@@ -5,8 +5,8 @@
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
 #include "scenarios/stream/broker_lines.hpp"
+#include "tests/given_lines.hpp"
 
-#include <deque>
 #include <functional>
 #include <string>
 #include <vector>
@@ -58,24 +58,5 @@ struct RestartedDay {
 };
 RestartedDay follow_restarted(const TrainDay& day, std::vector<Sent> samples, Way way,
                               Interval down, double ahead);
-
-/// Lines from memory.
-class GivenLines : public Lines {
-public:
-    explicit GivenLines(std::deque<Line> lines) : lines_(std::move(lines)) {}
-    std::optional<Line> next(double) override {
-        if (lines_.empty()) return {};
-        Line first = std::move(lines_.front());
-        lines_.pop_front();
-        now_ = first.arrival;
-        return first;
-    }
-    bool over() const override { return lines_.empty(); }
-    double now() const override { return now_; }
-
-private:
-    std::deque<Line> lines_;
-    double now_ = no_arrival;
-};
 
 } // namespace bris::testing

@@ -186,8 +186,8 @@ TEST_SUITE("monitoring/sensor_verdict") {
     }
 
     TEST_CASE("a baseline that is none gives no verdict, with its reason") {
-        const PassageResult p = judge_passage(
-            passage("clean", 24), baselines_of(std::vector<Passage>{}, {}), MonitorSettings{});
+        const PassageResult p =
+            judge_passage(passage("clean", 24), baselines_of({}, {}), MonitorSettings{});
         CHECK(mentions(p.sensors[0], "no baseline"));
         Passage broken = passage("clean", 1);
         broken.recordings[0].force[10].x() = std::nan("");
