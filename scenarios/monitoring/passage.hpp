@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,12 @@ namespace bris {
 struct Passage {
     std::string name;
     std::vector<Recording> recordings; ///< one for each sensor of the metadata, perhaps empty
-    std::vector<unsigned> still = {};  ///< sensors that recorded all of it, and did not vibrate
+    /// Share of its time that a sensor recorded, whether it vibrated or not; empty: not known, as
+    /// of files.
+    std::map<unsigned, double> recorded = {};
 };
+/// From this share on a sensor has recorded a passage.
+inline constexpr double all_recorded = 0.9;
 
 /// Reads a folder of recordings: metadata rock_NN.txt, and a file recordings.csv for each passage,
 /// in the folder itself and in its subfolders, in the order of their names; or files recordings.h5,

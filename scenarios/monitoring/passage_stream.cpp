@@ -17,12 +17,11 @@ namespace bris {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double reordered = 2;      // s of own time for which rows wait for those before them
-constexpr double look_interval = 1;  // s of own time
-constexpr double waiting = 10;       // s after a passage before it is given without all sensors
-constexpr double all_recorded = 0.9; // share of a passage that a sensor has recorded as a whole
-constexpr double glance = 1;         // s between ticks while no record comes
-constexpr double shortest = 0.5;     // s; what is shorter is a knock and no train
+constexpr double reordered = 2;     // s of own time for which rows wait for those before them
+constexpr double look_interval = 1; // s of own time
+constexpr double waiting = 10;      // s after a passage before it is given without all sensors
+constexpr double glance = 1;        // s between ticks while no record comes
+constexpr double shortest = 0.5;    // s; what is shorter is a knock and no train
 constexpr std::size_t most_final = 10000;
 
 } // namespace
@@ -96,13 +95,21 @@ void PassageStream::keep(GatedRecord record) {
     }
     sensor.last = record.t;
     if (join(sensor, record.segment, record)) return;
-    Open& open = sensor.open[record.segment];
+    Open& open = open_segment(sensor, record.segment);
     if (is_too_late(sensor, open, record))
         return gate_.leave_out(LeftOut::too_late, place_of(record.record, record.t));
     open.newest = std::max(open.newest, record.t);
     open.latest = open.samples.empty() ? record.t : std::max(open.latest, record.t);
     open.samples.add(record);
     if (open.latest - open.looked_at >= look_interval) look(sensor, record.segment, open, false);
+}
+
+/// The records of a segment that wait. With a new segment those before it have ended.
+PassageStream::Open& PassageStream::open_segment(Sensor& sensor, std::size_t segment) {
+    if (const auto found = sensor.open.find(segment); found != sensor.open.end())
+        return found->second;
+    for (auto& [before, open] : sensor.open) look(sensor, before, open, true);
+    return sensor.open[segment];
 }
 
 /// Whether the verdict on a record's time is final. Only what comes late can be.
@@ -167,6 +174,7 @@ void PassageStream::look(Sensor& sensor, std::size_t segment, Open& open, bool a
         }
         if (passage.end - passage.begin >= shortest) close(sensor, segment, open, passage);
     }
+    open.done = std::max(open.done, needed);
     const double keep_from = needed - activity_context - sensor.settings.margin - look_interval;
     const std::size_t old = at_end ? open.samples.size() : open.samples.row_at(keep_from);
     quiet_ += open.samples.extract(0, old).size();
@@ -237,10 +245,19 @@ std::vector<PassageStream::Group> PassageStream::groups() {
     return found;
 }
 
+/// Common time before which the records of a sensor's present segment are all in activities or
+/// quiet; NaN: unknown.
+double PassageStream::looked_through(const Sensor& sensor) const {
+    if (sensor.open.empty()) return nan;
+    const auto& [segment, open] = *sensor.open.rbegin();
+    const Gate::Offset o = gate_.offset(sensor.info.id, segment, open.latest);
+    return o.basis == TimeBasis::unknown ? nan : open.done + o.seconds;
+}
+
 /// Whether every sensor has recorded the whole time of a passage.
 bool PassageStream::is_complete(const Group& group) const {
     return std::ranges::all_of(sensors_, [&](const auto& sensor) {
-        return gate_.reached(sensor.first) >= group.time.end + settings_.quiet + reordered &&
+        return looked_through(sensor.second) >= group.time.end + settings_.quiet &&
                gate_.coverage(sensor.first, group.time.begin, group.time.end) >= all_recorded;
     });
 }
@@ -293,10 +310,9 @@ void PassageStream::give(const Group& group, bool is_final) {
     for (auto& [id, sensor] : sensors_) {
         const auto own = std::ranges::find_if(
             group.members, [&](const auto& member) { return member.first == &sensor; });
+        given.passage.recorded[id] = gate_.coverage(id, group.time.begin, group.time.end);
         if (own == group.members.end()) {
             given.passage.recordings.emplace_back().info = sensor.info;
-            if (gate_.coverage(id, group.time.begin, group.time.end) >= all_recorded)
-                given.passage.still.push_back(id);
             continue;
         }
         Samples all;

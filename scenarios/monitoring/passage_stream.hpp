@@ -79,6 +79,7 @@ private:
         Samples samples;
         // s, unwrapped own times: of those that are here, of all so far
         double latest = 0, newest = -1e300, looked_at = -1e300;
+        double done = -1e300; // before it nothing is left of a passage
     };
     struct Sensor {
         SensorInfo info;
@@ -100,6 +101,7 @@ private:
     };
     void take(const Lines::Line& line);
     void keep(GatedRecord record);
+    Open& open_segment(Sensor& sensor, std::size_t segment);
     void look(Sensor& sensor, std::size_t segment, Open& open, bool at_end);
     void close(Sensor& sensor, std::size_t segment, Open& open, const Interval& passage);
     bool is_too_late(const Sensor& sensor, const Open& open, const GatedRecord& record) const;
@@ -110,6 +112,7 @@ private:
     std::vector<Group> groups();
     void give(const Group& group, bool is_final);
     void give_unknown();
+    double looked_through(const Sensor& sensor) const;
     bool is_complete(const Group& group) const;
     bool is_due(const Group& group) const;
     bool is_over_late(const Group& group) const;

@@ -195,10 +195,18 @@ PassageResult judge_passage(const Passage& passage, const std::vector<SensorBase
             sensor.reason = "no recording of this sensor";
             continue;
         }
-        if (std::ranges::find(passage.still, id) != passage.still.end()) {
-            sensor.verdict = Verdict::no_train;
-            sensor.reason = "hardly any vibration";
-            continue;
+        if (const auto recorded = passage.recorded.find(id); recorded != passage.recorded.end()) {
+            if (recorded->second < all_recorded) {
+                sensor.reason = fmt::format("expected at least {:g} % of the passage recorded, "
+                                            "found {:.0f} %",
+                                            100 * all_recorded, 100 * recorded->second);
+                continue;
+            }
+            if (recording->size() == 0) {
+                sensor.verdict = Verdict::no_train;
+                sensor.reason = "hardly any vibration";
+                continue;
+            }
         }
         judge(sensor, *recording, *baseline, refusal_of(result.findings, id), settings);
     }
