@@ -32,10 +32,6 @@ struct Accepted : State<std::uint64_t> {
 struct Refused : State<std::uint64_t> {
     static constexpr auto name = "refused", unit = "";
 };
-/// Number of samples that arrived later than the filter looks back.
-struct TooLate : State<std::uint64_t> {
-    static constexpr auto name = "too_late", unit = "";
-};
 /// Number of corrections of which only a part was applied because they were too large for a step.
 struct Reduced : State<std::uint64_t> {
     static constexpr auto name = "reduced", unit = "";

@@ -50,7 +50,6 @@ struct Smart {
     Smart() {
         corrections.filter.gate = 0.999;
         corrections.nudging = {0, 100, 0.01};
-        corrections.largest_work_share = 0.005;
     }
     void describe(auto& option) {
         option.group("Recordings");
@@ -101,10 +100,6 @@ struct Smart {
                within(0, 1e15));
         option("largest_nudging_force", corrections.nudging.largest_force, "N",
                "Largest force of spring and dashpot together.", within(0, 1e9));
-        option("largest_work_share", corrections.largest_work_share, "",
-               "Largest work of the corrections from one analysis to the next, relative to the "
-               "work of platens and membrane. 0: no limit.",
-               within(0, 1));
         option("interval", quality_control.interval, "", "Axial strain between samples.",
                above(0, 1));
         option("displacement_deviation", displacement_deviation, "m",
@@ -343,7 +338,6 @@ ModelVariant Computation::fused_variant(std::size_t k) const {
     ModelVariant fused{.name = "fused",
                        .rocks = first,
                        .learned = schedule_of(done_[k].learned.estimates, first, s_.change),
-                       .catch_up = true,
                        .corrections = s_.corrections};
     append_final_estimate(fused, done_[k].learned.estimates);
     fused.corrections.position_noise = fused.corrections.attitude_noise = 0;
@@ -366,10 +360,10 @@ ModelRun Computation::run_job(const Job& job, const ModelWatch& watch) {
                           settings.final_axial_strain, watch);
     }
     if (job.running) // no checkpoint: its pictures are taken during the run
-        return run_model(scene_, settings, specimen_, fused_variant(job.test), common_.seed, watch);
+        return run_model(scene_, settings, specimen_, fused_variant(job.test), watch);
     const ModelVariant alone{.name = "DEM only", .rocks = s_.model};
     CheckpointedRun checkpoint(common_, settings, specimen_, alone);
-    return run_model(scene_, settings, specimen_, alone, common_.seed, watch, &checkpoint);
+    return run_model(scene_, settings, specimen_, alone, watch, &checkpoint);
 }
 
 void Computation::run_variants() {

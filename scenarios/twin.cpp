@@ -1,9 +1,7 @@
 // Twin experiment: the sensor rocks of a true triaxial test are recorded, and a model of it with
 // other parameters is run without and with the recordings. The experiment measures how much better
-// the model then predicts the other rocks. A run with the true parameters from a start disturbed by
-// less than a grain of dust gives the divergence of perturbed runs, the error below which no model
-// can get. The model may also have rocks of other shapes, rocks in other positions, or another
-// packing.
+// the model then predicts the other rocks. The model may also have rocks of other shapes, rocks in
+// other positions, or another packing.
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
@@ -20,8 +18,8 @@ void check_options(const TwinSettings& t, const Common& common) {
             "--confining-pressure: expected one pressure, found several");
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
     require(
-        t.record.empty() || (!faulty && t.sample_delay == 0),
-        "--record: expected no --dropout, --outliers or --sample-delay, which are not recorded");
+        t.record.empty() || !faulty,
+        "--record: expected no --dropout or --outliers, which are not recorded");
     require(t.sensors.mode != "inertial" || !faulty,
             "--sensor-mode inertial: expected no --dropout or --outliers, which apply to tracked "
             "sensors only");
@@ -60,8 +58,7 @@ std::string explain(const TwinSettings& t, const Common& common) {
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::TwinSettings>(
         argc, argv,
-        {"twin", "TwinSettings experiment: records a simulated triaxial test and models it without "
-                 "and with the "
-                 "recordings."},
+        {"twin", "Twin experiment: records a simulated triaxial test and models it without and with "
+                 "the recordings."},
         bris::check_options, bris::run, bris::explain);
 }

@@ -229,8 +229,8 @@ std::optional<bool> are_inconsistent(std::vector<double> squared_distances) {
 std::optional<bool> record_innovations(ModelRun& run, const ModelRun& forecast,
                                        const RockScatter& scatter,
                                        const AssimilatedSensors& sensors, std::size_t stage) {
-    const double arrived = run.points[stage].axial_strain - sensors.sample_delay,
-                 before = run.points[stage - 1].axial_strain - sensors.sample_delay;
+    const double arrived = run.points[stage].axial_strain,
+                 before = run.points[stage - 1].axial_strain;
     std::vector<double> shifts, turns; // normalised innovations squared
     for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
         const std::size_t host = sensors.hosts[s];
@@ -314,7 +314,7 @@ void compute_analysis_stage(ModelRun& run, const ModelRun& forecast, const RockS
                             const AssimilatedSensors& sensors, std::size_t stage) {
     require(sensors.hosts.size() == sensors.trajectories.size(),
             "analysis: expected a trajectory for each host");
-    const double arrived = run.points[stage].axial_strain - sensors.sample_delay;
+    const double arrived = run.points[stage].axial_strain;
     const auto correct = [&](Motions motion, const MotionScatter& of, double noise) {
         std::vector<Innovation> innovations; // each held until the next sample of its sensor
         for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {

@@ -59,7 +59,6 @@ struct AssimilatedSensors {
     std::vector<std::size_t> hosts;
     const std::vector<SensorTrajectory>& trajectories; ///< one for each host
     double position_noise, attitude_noise; ///< m and rad, standard deviations of the trajectories
-    double sample_delay = 0; ///< axial strain between the time of a sample and its arrival
 };
 
 /// The analysis of rock motions: corrects the forecast by the observations of the rocks that carry

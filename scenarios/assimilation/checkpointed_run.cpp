@@ -53,8 +53,6 @@ void put_variant(Archive& archive, const TriaxialSettings& s, const ModelVariant
                                 double(s.gravity),
                                 variant.rocks.friction,
                                 variant.rocks.stiffness,
-                                double(variant.catch_up),
-                                variant.disturbance,
                                 double(static_cast<int>(c.filter.kind)),
                                 c.filter.position,
                                 c.filter.velocity,
@@ -69,14 +67,9 @@ void put_variant(Archive& archive, const TriaxialSettings& s, const ModelVariant
                                 c.nudging.stiffness,
                                 c.nudging.largest_force,
                                 c.nudging.arm,
-                                double(c.spread),
                                 c.position_noise,
                                 c.attitude_noise,
-                                c.largest_shift,
-                                c.largest_work_share,
-                                c.sample_delay,
-                                c.note_every,
-                                double(c.filter.lag)};
+                                c.largest_shift};
     for (const LearnedParameters& b : variant.learned)
         numbers.insert(numbers.end(), {b.strain, b.rocks.friction, b.rocks.stiffness});
     put(archive, "variant", numbers);
@@ -89,15 +82,7 @@ void put_variant(Archive& archive, const TriaxialSettings& s, const ModelVariant
 
 auto numbers_of(auto& run) {
     return std::tie(run.sensors, run.fusion_work, run.boundary_work, run.accepted, run.refused,
-                    run.steps, run.wall_time, run.too_late, run.reduced, run.withheld,
-                    run.too_costly, run.much_too_costly, run.core_porosity);
-}
-
-void visit_numbers(SmoothedPose& p, auto&& visit) {
-    visit(p.time);
-    for (int k = 0; k < 4; ++k) visit(p.attitude.coeffs()[k]);
-    for (Vec3* v : {&p.position, &p.position_deviation, &p.attitude_deviation})
-        for (int k = 0; k < 3; ++k) visit((*v)[k]);
+                    run.steps, run.wall_time, run.reduced, run.withheld, run.core_porosity);
 }
 
 } // namespace
@@ -129,12 +114,6 @@ void save_run(Archive& archive, const ModelRun& run) {
     save_poses(archive, "run/start", run.start);
     put_fields(archive, "run/numbers", numbers_of(run));
     save_records(archive, "run/analyses", run.analyses);
-    for (std::size_t s = 0; s < run.smoothed.size(); ++s) {
-        std::vector<double> numbers;
-        for (SmoothedPose p : run.smoothed[s])
-            visit_numbers(p, [&](double number) { numbers.push_back(number); });
-        put(archive, fmt::format("run/smoothed/{}", s), numbers);
-    }
 }
 
 ModelRun load_run(const Archive& archive) {
@@ -147,12 +126,6 @@ ModelRun load_run(const Archive& archive) {
     run.start = load_poses(archive, "run/start");
     get_fields(archive, "run/numbers", numbers_of(run));
     run.analyses = load_records(archive, "run/analyses");
-    for (std::size_t s = 0; archive.find(fmt::format("run/smoothed/{}", s)) != nullptr; ++s) {
-        const auto numbers = archive.get<double>(fmt::format("run/smoothed/{}", s));
-        auto& trajectory = run.smoothed.emplace_back();
-        for (auto next = numbers.begin(); next != numbers.end();)
-            visit_numbers(trajectory.emplace_back(), [&](double& number) { number = *next++; });
-    }
     return run;
 }
 

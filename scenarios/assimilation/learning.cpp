@@ -143,10 +143,10 @@ std::vector<Observation> observations_in(const MemberSubset& members, const Meas
         if (trajectory.strain.empty() || !stands_off_axis(like, s)) continue;
         ++expected;
         const auto after = std::upper_bound(trajectory.strain.begin(), trajectory.strain.end(),
-                                            to - measured.sample_delay + 1e-9);
+                                            to + 1e-9);
         for (auto k = after - trajectory.strain.begin() - 1; k >= 0; --k) {
             const auto sample = static_cast<std::size_t>(k);
-            if (trajectory.strain[sample] <= from - measured.sample_delay + 1e-9) break;
+            if (trajectory.strain[sample] <= from + 1e-9) break;
             const auto stage = stage_of_sample(like, trajectory.strain[sample]);
             if (!stage || !trajectory.displacement[sample].allFinite()) continue;
             const Observation h{s, sample, *stage};

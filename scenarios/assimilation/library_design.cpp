@@ -129,7 +129,7 @@ LibrarySpecimen LibraryMaker::tested(std::size_t job, std::uint64_t number, std:
             const ModelRun run =
                 run_model(prepared.scene, settings, prepared.state,
                           {.name = fmt::format("specimen {}", number), .rocks = point.rocks},
-                          point.seed, {.progress = report_to(job * tests + k)});
+                          {.progress = report_to(job * tests + k)});
             made.tests.push_back(sampled(run, library_.axis));
             made.core_porosity += run.core_porosity / static_cast<double>(tests);
         }

@@ -69,8 +69,7 @@ ModelRun run_member(const SpecimenLibrary& library, std::size_t index,
     test.test.confining_pressure = pressure;
     test.test.final_axial_strain = std::min(strain, test.test.final_axial_strain);
     return run_model(packing.scene, test.test, packing.state,
-                     {.name = fmt::format("specimen {}", s.number), .rocks = s.rocks}, s.seed,
-                     watch);
+                     {.name = fmt::format("specimen {}", s.number), .rocks = s.rocks}, watch);
 }
 
 double difference_from(const SpecimenLibrary& library, std::size_t index, std::size_t pressure,

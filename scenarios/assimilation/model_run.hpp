@@ -36,15 +36,7 @@ struct Corrections {
                           .gate = 1};
     unsigned injection_steps = 60; ///< steps over which a correction of position is applied
     NudgingSettings nudging;
-    bool spread = false;      ///< spread corrections over the contact network
     double largest_shift = 0; ///< m, of a rock in a step (Fusion); 0: no limit
-    /// Largest work of the corrections as a fraction of the work of the boundaries, from analysis
-    /// to analysis (WorkBudget); 0: no limit.
-    double largest_work_share = 0;
-    /// Axial strain between the time of a sample and its arrival; filter.lag says how many analyses
-    /// back a sample may still be assimilated.
-    double sample_delay = 0;
-    double note_every = 1e-3; ///< axial strain between records of the motion, for late samples
     double position_noise = 1e-6, attitude_noise = 1e-4; ///< m and rad, of the trajectories
 };
 
@@ -53,13 +45,9 @@ struct Corrections {
 struct ModelVariant {
     std::string name = "model";
     RockParameters rocks;
-    std::vector<LearnedParameters> learned = {}; ///< in order of strain
-    /// Start again from the specimen when the parameters change, and catch up; otherwise continue
-    /// from the present state.
-    bool catch_up = false;
-    /// m, random displacement of every rock at the start, to measure the divergence of perturbed
-    /// runs.
-    double disturbance = 0;
+    /// In order of strain. When the parameters change, the run starts again from the specimen and
+    /// catches up.
+    std::vector<LearnedParameters> learned = {};
     /// Of the sensor rocks, in their order; empty: no observations.
     std::vector<SensorTrajectory> trajectories = {};
     Corrections corrections = {};
@@ -88,14 +76,9 @@ struct ModelRun {
     double fusion_work = 0, boundary_work = 0;
     /// Numbers of observed vectors that the filters accepted and rejected, and of steps.
     std::uint64_t accepted = 0, refused = 0, steps = 0;
-    /// Numbers of samples that arrived too late, and of corrections that were reduced and withheld
-    /// because they exceeded the largest shift.
-    std::uint64_t too_late = 0, reduced = 0, withheld = 0;
-    /// Numbers of corrections that were reduced and withheld because of their work.
-    std::uint64_t too_costly = 0, much_too_costly = 0;
-    /// Of each sensor rock, where the filters smooth: estimates that include the observations of up
-    /// to `lag` later analyses.
-    std::vector<std::vector<SmoothedPose>> smoothed = {};
+    /// Numbers of corrections that were reduced and withheld because they exceeded the largest
+    /// shift.
+    std::uint64_t reduced = 0, withheld = 0;
     /// Axial strain from which the sensors are left out because they are inconsistent with the
     /// forecast, as those of another specimen would be (compute_analysis); 0: never.
     double inconsistent_from = 0;
@@ -122,7 +105,7 @@ class CheckpointedRun;
 /// `checkpoint` (may be null) it saves checkpoints and resumes from them, to the same bits. Throws
 /// SimulationError, and Interrupted when the user stops it.
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings,
-                   const Archive& specimen, const ModelVariant& variant, std::uint64_t seed,
+                   const Archive& specimen, const ModelVariant& variant,
                    const ModelWatch& watch = {}, CheckpointedRun* checkpoint = nullptr);
 
 } // namespace bris

@@ -36,7 +36,7 @@ std::vector<ModelRun> try_from(const std::vector<Start>& starts, const TriaxialS
         const auto& [scene, specimen] = starts[k];
         CheckpointedRun checkpoint(common, test, specimen, variants[k]);
         try {
-            runs[k] = run_model(scene, test, specimen, variants[k], common.seed,
+            runs[k] = run_model(scene, test, specimen, variants[k],
                                 watch_on(progress, k), &checkpoint);
         } catch (const SimulationError& error) {
             runs[k].stopped = stopped_by(error, variants[k]);
@@ -106,7 +106,7 @@ private:
                     watch_(k, now);
                 };
             member.run = std::make_unique<VariantRun>(scene_, settings_, specimen_, member.variant,
-                                                      common_.seed, watched, &member.checkpoint);
+                                                      watched, &member.checkpoint);
         }
         member.run->advance_to(points);
     }

@@ -175,8 +175,6 @@ void add_results(Summary& summary, const RecordedTest& test, const SmartTest& c,
     if (!s.nudged) return; // there are no corrections
     to.add("measurements_accepted", fused.accepted);
     to.add("fusion_work_over_boundary_work", fused.fusion_work / fused.boundary_work);
-    to.add("corrections_reduced_by_work", fused.too_costly);
-    to.add("corrections_withheld_by_work", fused.much_too_costly);
 }
 
 void write_runs(const std::filesystem::path& folder, const SmartTest& c, const SmartResults& s) {

@@ -1,7 +1,6 @@
 #include "scenarios/assimilation/triaxial_model.hpp"
 
 #include "components/body.hpp"
-#include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -16,11 +15,6 @@ namespace bris {
 
 namespace {
 
-void disturb(World& world, const std::vector<EntityId>& rocks, double size, std::uint64_t seed) {
-    for (const EntityId id : rocks)
-        value_of<Position>(world, id) += size * Random(seed, id).direction();
-}
-
 /// Adds the sensors of a variant to the first rocks, with trajectories relative to the poses
 /// `start`.
 void give_sensors(Simulation& simulation, const ModelVariant& variant,
@@ -34,9 +28,7 @@ void give_sensors(Simulation& simulation, const ModelVariant& variant,
         hosts.push_back(world.resource<Specimen>().smart_rocks[s]);
         samples.emplace_back();
         for (std::size_t k = 0; k < variant.trajectories[s].strain.size(); ++k) {
-            TimedMeasurement m{variant.trajectories[s].strain[k],
-                               {},
-                               variant.trajectories[s].strain[k] + c.sample_delay};
+            TimedMeasurement m{variant.trajectories[s].strain[k], {}};
             m.what.position = start[s].position + variant.trajectories[s].displacement[k];
             const bool oriented = variant.trajectories[s].rotation[k].allFinite();
             if (oriented)
@@ -58,11 +50,8 @@ void give_sensors(Simulation& simulation, const ModelVariant& variant,
     add_sensors(world, hosts, std::move(samples), c.filter, c.injection_steps);
     auto& fusion = world.resource<Fusion>();
     fusion.by_strain = true;
-    fusion.spread = c.spread;
     fusion.nudging = c.nudging;
     fusion.largest_shift = c.largest_shift;
-    fusion.note_every = c.filter.lag > 0 ? c.note_every : 0;
-    set_work_budget(world, c.largest_work_share);
     simulation.prepare();
 }
 
@@ -89,8 +78,7 @@ std::vector<std::vector<std::size_t>> neighbours_of(const World& world,
 } // namespace
 
 TriaxialModel::TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
-                             const Archive& specimen, const ModelVariant& variant,
-                             const RockParameters& parameters, std::uint64_t seed)
+                             const Archive& specimen, const RockParameters& parameters)
     : simulation_(make_simulation(scene, 1, false)),
       test_(simulation_, with_friction(settings, parameters.friction)) {
     restore_specimen(simulation_, scene, specimen);
@@ -99,7 +87,6 @@ TriaxialModel::TriaxialModel(const TriaxialScene& scene, const TriaxialSettings&
     sensors_ = rocks_.size();
     rocks_.insert(rocks_.end(), parts.rocks.begin(), parts.rocks.end());
     set_parameters(scene, parameters);
-    if (variant.disturbance > 0) disturb(world(), rocks_, variant.disturbance, seed);
 }
 
 void TriaxialModel::set_parameters(const TriaxialScene& scene, const RockParameters& parameters) {

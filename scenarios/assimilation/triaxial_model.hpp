@@ -15,12 +15,9 @@ class TriaxialModel {
 public:
     /// Starts from a prepared specimen.
     TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
-                  const Archive& specimen, const ModelVariant& variant,
-                  const RockParameters& parameters, std::uint64_t seed);
+                  const Archive& specimen, const RockParameters& parameters);
 
     void set_parameters(const TriaxialScene& scene, const RockParameters& parameters);
-    /// Scales masses and time step anew for the present contacts; required after set_parameters.
-    void rescale() { test_.rescale(); }
     /// Runs one block of steps of the test; returns false when the test is done.
     bool advance(const ModelVariant& variant);
 

@@ -193,25 +193,4 @@ TwinErrors errors_of(const ModelRun& run, const ModelRun& truth) {
     return e;
 }
 
-SmoothedErrors errors_of_smoothed(const ModelRun& run, const ModelRun& truth) {
-    double displacement = 0, rotation = 0, distance = 0, count = 0;
-    for (std::size_t rock = 0; rock < run.smoothed.size(); ++rock)
-        for (const SmoothedPose& pose : run.smoothed[rock]) {
-            const auto stage = stage_of_sample(truth, pose.time);
-            if (!stage) continue;
-            // displacements since the start, which may differ between run and truth
-            const Vec3 error =
-                pose.position - run.start[rock].position - truth.displacement[*stage][rock];
-            displacement += error.squaredNorm();
-            rotation +=
-                attitude_error(pose.attitude, exponential_map(truth.rotation[*stage][rock]) *
-                                                  run.start[rock].orientation)
-                    .squaredNorm();
-            distance += error.cwiseQuotient(pose.position_deviation).squaredNorm() / 3;
-            ++count;
-        }
-    return {root_mean(displacement, count), root_mean(rotation, count),
-            count > 0 ? distance / count : 0};
-}
-
 } // namespace bris

@@ -72,14 +72,4 @@ struct TwinErrors {
 };
 TwinErrors errors_of(const ModelRun& run, const ModelRun& truth);
 
-/// Errors of the smoothed trajectories of sensor rocks against the truth, root mean square over all
-/// sensors and times.
-struct SmoothedErrors {
-    double displacement, rotation; ///< m and rad
-    /// Mean squared error of positions, normalised by their deviations, for each axis: 1 if the
-    /// deviations are consistent.
-    double squared_distance;
-};
-SmoothedErrors errors_of_smoothed(const ModelRun& run, const ModelRun& truth);
-
 } // namespace bris

@@ -33,38 +33,14 @@ TwinExperiment::TwinExperiment(const TwinSettings& settings, const Common& commo
     test_.confining_pressure = t_.triaxial.confining_pressure.front();
 }
 
-// Name of the data set from which the ensemble members learn. Variants with the same data set share
-// the result.
-std::string TwinExperiment::data_set_of(const std::string& variant) const {
-    const bool sensors_uninformative = t_.sensors.mode == "inertial" || !learning_.by_sensors;
-    const bool own = variant == "sensors_only" ||
-                     (!sensors_uninformative && (variant == "load_cell" || variant == "null"));
-    return own ? variant : "all";
-}
-
 ModelVariant TwinExperiment::variant_of(const std::string& name) const {
     ModelVariant variant{.name = name, .rocks = t_.model, .corrections = t_.corrections};
     variant.corrections.filter.kind = named<FilterKind>(filter_names, t_.filter);
-    if (name == "perturbed") {
-        variant.rocks = {test_.friction, 1};
-        variant.disturbance = t_.disturbance;
-    }
-    if (learns(name)) {
-        variant.learned =
-            schedule_of(assimilated_.at(data_set_of(name)).learned.estimates, t_.model, t_.change);
-        variant.catch_up = t_.catch_up;
-    }
-    if (is_corrected(name)) {
-        const SensorObservations& observations =
-            *(name == "null" ? observations_of_another_ : observations_);
-        variant.trajectories = observations.trajectories;
-        variant.corrections.position_noise = observations.position_noise;
-        variant.corrections.attitude_noise = observations.attitude_noise;
-    }
-    if (name == "inserted" || name == "spread") variant.corrections.nudging.stiffness = 0;
-    variant.corrections.sample_delay = t_.sample_delay;
-    variant.corrections.note_every = t_.sensors.interval;
-    variant.corrections.spread = name == "spread";
+    if (name == "inserted") variant.corrections.nudging.stiffness = 0;
+    if (name == "free") return variant;
+    variant.trajectories = observations_->trajectories;
+    variant.corrections.position_noise = observations_->position_noise;
+    variant.corrections.attitude_noise = observations_->attitude_noise;
     return variant;
 }
 
@@ -87,54 +63,26 @@ std::vector<ModelRun> TwinExperiment::run_all(const std::vector<ModelVariant>& v
     return run_models(specimens, test_, variants, strain, common_, progress_);
 }
 
-/// The truth of another specimen, packed around sensor rocks in the same positions.
-ModelRun TwinExperiment::run_another() {
-    const Common common = common_of_packing(common_, "another", common_.seed + 1000);
-    const PreparedSpecimen another =
-        make_another_packing(t_.triaxial, test_, true_.scene, 0, common, progress_slot(progress_));
-    ModelRun run =
-        run_models({&another}, test_, {{.name = "another truth", .rocks = {test_.friction, 1}}},
-                   test_.final_axial_strain, common, progress_)
-            .front();
-    remove_checkpoints(common);
-    return run;
-}
-
-Assimilated TwinExperiment::assimilate(const std::string& data_set,
-                                       const SensorObservations& observations) {
+/// Learns friction and stiffness from the test machine and the sensors, by ensemble members that run
+/// to the end of the test.
+Assimilated TwinExperiment::assimilate() {
     const auto began = this_instant();
     MeasuredTest measured = measured_test(this->measured());
-    measured.trajectories = observations.trajectories;
-    measured.displacement_noise = observations.position_noise;
-    measured.sample_delay = t_.sample_delay;
-    Learning learning = learning_;
-    if (data_set == "load_cell") learning.by_sensors = false;
-    if (data_set == "sensors_only") {
-        learning.by_sensors = true;
-        learning.by_force = learning.by_volume = false;
-    }
-    const Gaussian prior = prior_of(t_.model, learning);
-    const PreparedSpecimen& specimen = specimen_of(data_set);
-    const auto try_variants = [&](const std::vector<ModelVariant>& variants, double strain) {
-        return try_models(specimen.scene, test_, specimen.state, variants, strain, common_,
-                          progress_);
-    };
-    if (!first_)
-        first_ = run_members(prior, learning.members, "first", learning.first_strain, try_variants);
-    const auto is_forecast = [&](const std::string& variant) {
-        return is_computed(variant) && data_set_of(variant) == data_set;
-    };
-    const bool all_the_way = std::ranges::any_of(names_, is_forecast);
+    measured.trajectories = observations_->trajectories;
+    measured.displacement_noise = observations_->position_noise;
+    const Gaussian prior = prior_of(t_.model, learning_);
+    const PreparedSpecimen& specimen = specimen_of("analysis");
     Assimilated assimilated{
-        .learned =
-            learn_on(prior, *first_, measured, learning,
-                     all_the_way ? test_.final_axial_strain : learning.final_strain, try_variants)};
-    if (learning.by_sensors)
+        .learned = learn_in_two_generations(
+            prior, measured, learning_, test_.final_axial_strain,
+            [&](const std::vector<ModelVariant>& variants, double strain) {
+                return try_models(specimen.scene, test_, specimen.state, variants, strain, common_,
+                                  progress_);
+            })};
+    if (learning_.by_sensors)
         assimilated.outliers = outlying_displacements(assimilated.learned.second, measured);
-    if (all_the_way) {
-        assimilated.forecast = ensemble_forecast(assimilated.learned, prior);
-        assimilated.scatter = scatter_of(assimilated.learned.second);
-    }
+    assimilated.forecast = ensemble_forecast(assimilated.learned, prior);
+    assimilated.scatter = scatter_of(assimilated.learned.second);
     assimilated.wall = seconds_since(began);
     return assimilated;
 }
@@ -148,15 +96,12 @@ std::vector<TriaxialPoint> TwinExperiment::measured() const {
     return points;
 }
 
-/// Forecast of a variant's ensemble members. If the variant uses sensors, the analysis that extends
-/// their recordings to all rocks.
-ModelRun TwinExperiment::compute(const ModelVariant& variant) {
-    const Assimilated& assimilated = assimilated_.at(data_set_of(variant.name));
-    if (variant.trajectories.empty()) return assimilated.forecast;
-    return compute_analysis(assimilated.forecast, assimilated.scatter,
+/// The forecast of the ensemble members, with the recordings of the sensors extended to all rocks.
+ModelRun TwinExperiment::compute_analysis_of(const ModelVariant& variant) const {
+    return compute_analysis(assimilated_->forecast, assimilated_->scatter,
                             {sensor_rocks(truth_), variant.trajectories,
-                             variant.corrections.position_noise, variant.corrections.attitude_noise,
-                             t_.sample_delay});
+                             variant.corrections.position_noise,
+                             variant.corrections.attitude_noise});
 }
 
 void TwinExperiment::record(const RecordingSettings& settings) const {
@@ -184,12 +129,7 @@ void TwinExperiment::run() {
         record(settings);
     }
     observations_ = observe_sensors(truth_, t_.sensors, common_.seed);
-    if (std::ranges::count(names_, "null") > 0)
-        observations_of_another_ = observe_sensors(run_another(), t_.sensors, common_.seed);
-    for (const std::string& name : names_)
-        if (learns(name) && !assimilated_.contains(data_set_of(name)))
-            assimilated_[data_set_of(name)] = assimilate(
-                data_set_of(name), *(name == "null" ? observations_of_another_ : observations_));
+    if (std::ranges::any_of(names_, is_computed)) assimilated_ = assimilate();
     std::vector<ModelVariant> to_run;
     for (const std::string& name : names_) {
         variants_.push_back(variant_of(name));
@@ -198,7 +138,7 @@ void TwinExperiment::run() {
     auto runs = run_all(to_run, test_.final_axial_strain);
     auto next = runs.begin();
     for (const ModelVariant& variant : variants_)
-        runs_.push_back(is_computed(variant.name) ? compute(variant) : std::move(*next++));
+        runs_.push_back(is_computed(variant.name) ? compute_analysis_of(variant) : std::move(*next++));
 }
 
 } // namespace bris

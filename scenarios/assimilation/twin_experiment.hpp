@@ -8,7 +8,6 @@
 #include "scenarios/assimilation/run_models.hpp"
 #include "scenarios/assimilation/twin_settings.hpp"
 
-#include <map>
 #include <optional>
 
 namespace bris {
@@ -16,8 +15,8 @@ namespace bris {
 /// Estimates from ensemble members, and their forecast.
 struct Assimilated {
     Learned learned;
-    ModelRun forecast = {};   // if a variant needs it
-    RockScatter scatter = {}; // if a variant needs it
+    ModelRun forecast = {};
+    RockScatter scatter = {};
     std::size_t outliers = 0; // displacements that were rejected
     double wall = 0;
 };
@@ -33,28 +32,24 @@ public:
 
 private:
     ModelVariant variant_of(const std::string& name) const;
-    std::string data_set_of(const std::string& variant) const;
-    Assimilated assimilate(const std::string& data_set, const SensorObservations& observations);
-    ModelRun compute(const ModelVariant& variant);
+    Assimilated assimilate();
+    ModelRun compute_analysis_of(const ModelVariant& variant) const;
     std::vector<TriaxialPoint> measured() const;
     void record(const RecordingSettings& settings) const;
     void make_specimens();
     const PreparedSpecimen& specimen_of(const std::string& variant) const {
-        return model_ && variant != "truth" && variant != "perturbed" ? *model_ : true_;
+        return model_ && variant != "truth" ? *model_ : true_;
     }
     std::vector<ModelRun> run_all(const std::vector<ModelVariant>& variants, double strain);
-    ModelRun run_another();
 
     // results
     /// Number of groups of rocks whose errors are reported: the sensor rocks and shells about them.
     /// In another packing only the sensor rocks have the positions of the truth.
-    std::size_t shells_of(const std::string& variant) const;
+    std::size_t shells() const;
     void add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
     void add_properties(Summary& summary, const std::string& name, const ModelRun& run) const;
     void add_starts(Summary& summary) const;
-    void add_learned(Summary& summary, const std::string& name,
-                     const Assimilated& assimilated) const;
-    void write_smoothed() const;
+    void add_learned(Summary& summary, const Assimilated& assimilated) const;
     void draw() const;
 
     const TwinSettings& t_;
@@ -66,9 +61,8 @@ private:
     TriaxialSettings test_;
     Progress progress_;
     ModelRun truth_;
-    std::optional<SensorObservations> observations_, observations_of_another_;
-    std::optional<Ensemble> first_;                  // first generation, shared by all data sets
-    std::map<std::string, Assimilated> assimilated_; // by data set; "all": all measurements
+    std::optional<SensorObservations> observations_;
+    std::optional<Assimilated> assimilated_; // if a variant needs it
     std::vector<ModelVariant> variants_;
     std::vector<ModelRun> runs_;
 };

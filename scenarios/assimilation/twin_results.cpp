@@ -35,8 +35,8 @@ void visit_errors(const TwinErrors& e, std::size_t shells, auto&& visit) {
 
 } // namespace
 
-std::size_t TwinExperiment::shells_of(const std::string& variant) const {
-    return t_.mismatch.packing > 0 && variant != "perturbed" ? 1 : shell_names.size();
+std::size_t TwinExperiment::shells() const {
+    return t_.mismatch.packing > 0 ? 1 : shell_names.size();
 }
 
 void TwinExperiment::add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
@@ -46,10 +46,10 @@ void TwinExperiment::add_variant(Summary& summary, std::size_t k, const TwinErro
     };
     std::map<std::string, double> free;
     if (of_free && name != "free")
-        visit_errors(*of_free, shells_of("free"),
+        visit_errors(*of_free, shells(),
                      [&](const std::string& what, const char*, double e) { free[what] = e; });
     visit_errors(
-        errors_of(runs_[k], truth_), shells_of(name),
+        errors_of(runs_[k], truth_), shells(),
         [&](const std::string& what, const char* unit, double e) {
             summary.add(fmt::format("{}_rmse_{}{}{}", name, what, *unit ? "_" : "", unit), e);
             if (free.contains(what))
@@ -63,16 +63,8 @@ void TwinExperiment::add_variant(Summary& summary, std::size_t k, const TwinErro
     add("measurements_refused", runs_[k].refused);
     if (is_computed(name)) return add("sensors_inconsistent_from", runs_[k].inconsistent_from);
     add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].boundary_work);
-    add("samples_too_late", runs_[k].too_late);
     add("corrections_reduced", runs_[k].reduced);
     add("corrections_withheld", runs_[k].withheld);
-    add("corrections_reduced_by_work", runs_[k].too_costly);
-    add("corrections_withheld_by_work", runs_[k].much_too_costly);
-    if (variants_[k].corrections.filter.lag == 0) return;
-    const SmoothedErrors smoothed = errors_of_smoothed(runs_[k], truth_);
-    add("smoothed_rmse_displacement_sensors_m", smoothed.displacement);
-    add("smoothed_rmse_rotation_sensors_rad", smoothed.rotation);
-    add("smoothed_squared_distance", smoothed.squared_distance);
 }
 
 void TwinExperiment::add_properties(Summary& summary, const std::string& name,
@@ -92,7 +84,7 @@ void TwinExperiment::add_starts(Summary& summary) const {
     };
     put("truth", truth_);
     summary.add("learning_specimen_scatter", learning_.specimen_scatter);
-    const ModelRun* model = first_ ? &first_->runs.front() : nullptr;
+    const ModelRun* model = assimilated_ ? &assimilated_->learned.first.runs.front() : nullptr;
     for (std::size_t k = 0; k < variants_.size(); ++k)
         if (!is_computed(variants_[k].name) && &specimen_of(variants_[k].name) == &*model_ &&
             (model == nullptr || variants_[k].name == "free"))
@@ -107,50 +99,26 @@ void TwinExperiment::add_starts(Summary& summary) const {
     summary.add("model_start_rotation_error_rad", apart.angle);
 }
 
-/// Adds the estimates of a data set. Keys and files carry its name, except for the data set "all".
-void TwinExperiment::add_learned(Summary& summary, const std::string& name,
-                                 const Assimilated& assimilated) const {
-    const std::string whose = name == "all" ? "" : name + "_";
+/// Adds the estimates of friction and stiffness.
+void TwinExperiment::add_learned(Summary& summary, const Assimilated& assimilated) const {
     const auto& estimates = assimilated.learned.estimates;
     const Gaussian last =
         estimates.empty() ? prior_of(t_.model, learning_) : estimates.back().estimate;
-    for (const NamedValue& v : describe(last))
-        summary.add(NamedValue(whose + v.key, std::get<double>(v.value)));
-    summary.add(whose + "learned_squared_distance_of_truth",
+    for (const NamedValue& v : describe(last)) summary.add(v);
+    summary.add("learned_squared_distance_of_truth",
                 squared_distance(last, logarithms_of({test_.friction, 1})));
-    summary.add(whose + "learning_wall_time_s", assimilated.wall);
-    summary.add(whose + "learning_outlying_displacements", assimilated.outliers);
+    summary.add("learning_wall_time_s", assimilated.wall);
+    summary.add("learning_outlying_displacements", assimilated.outliers);
     for (const auto& [what, scatter] :
          {std::pair{"displacements", &assimilated.scatter.displacement},
           std::pair{"rotations", &assimilated.scatter.rotation}}) {
         if (scatter->correlation.length <= 0) continue;
-        summary.add(fmt::format("{}correlation_of_{}", whose, what), scatter->correlation.near);
-        summary.add(fmt::format("{}correlation_of_{}_length_m", whose, what),
+        summary.add(fmt::format("correlation_of_{}", what), scatter->correlation.near);
+        summary.add(fmt::format("correlation_of_{}_length_m", what),
                     scatter->correlation.length);
     }
-    const std::string file = name == "all" ? "" : "_" + name;
-    write_estimates(common_.out / fmt::format("learned{}.csv", file), estimates);
-    write_members(common_.out / fmt::format("members{}.csv", file), assimilated.learned.second);
-}
-
-/// Writes the smoothed trajectories of the sensor rocks.
-void TwinExperiment::write_smoothed() const {
-    for (std::size_t k = 0; k < variants_.size(); ++k) {
-        std::vector<std::vector<double>> rows;
-        for (std::size_t rock = 0; rock < runs_[k].smoothed.size(); ++rock)
-            for (const SmoothedPose& p : runs_[k].smoothed[rock]) {
-                const Vec3 u = p.position - runs_[k].start[rock].position,
-                           turn = attitude_error(p.attitude, runs_[k].start[rock].orientation);
-                rows.push_back({static_cast<double>(rock + 1), p.time, u.x(), u.y(), u.z(),
-                                turn.x(), turn.y(), turn.z(), p.position_deviation.norm(),
-                                p.attitude_deviation.norm()});
-            }
-        if (!rows.empty())
-            write_csv(common_.out / fmt::format("smoothed_{}.csv", variants_[k].name),
-                      {"sensor", "axial_strain", "ux_m", "uy_m", "uz_m", "rotation_x_rad",
-                       "rotation_y_rad", "rotation_z_rad", "deviation_m", "deviation_rad"},
-                      rows, {}, 7);
-    }
+    write_estimates(common_.out / "learned.csv", estimates);
+    write_members(common_.out / "members.csv", assimilated.learned.second);
 }
 
 void TwinExperiment::draw() const {
@@ -186,22 +154,18 @@ void TwinExperiment::report() const {
     add_properties(summary, "truth", truth_);
     add_starts(summary);
     summary.add("sensors_refused", observations_->refused);
-    for (const auto& [name, assimilated] : assimilated_) add_learned(summary, name, assimilated);
-    write_smoothed();
+    if (assimilated_) add_learned(summary, *assimilated_);
     for (std::size_t k = 0; k < variants_.size(); ++k)
         if (!runs_[k].analyses.empty())
             write_records(common_.out / fmt::format("analyses_{}.csv", variants_[k].name),
                           runs_[k].analyses, "axial_strain");
     draw();
-    if (t_.layouts && assimilated_.contains("all") &&
-        !assimilated_.at("all").forecast.points.empty()) {
-        const Assimilated& all_data = assimilated_.at("all");
+    if (t_.layouts && assimilated_)
         write_layouts(common_.out / "layouts.csv",
-                      try_layouts(truth_, all_data.forecast, all_data.scatter,
+                      try_layouts(truth_, assimilated_->forecast, assimilated_->scatter,
                                   {.position_noise = t_.sensors.position_noise,
                                    .attitude_noise = t_.sensors.attitude_noise,
                                    .seed = common_.seed}));
-    }
     report_results(common_, summary);
 }
 

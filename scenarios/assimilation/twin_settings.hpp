@@ -18,12 +18,11 @@ struct TwinSettings {
     Triaxial triaxial;
     RockParameters model{0.5, 1};
     ModelMismatch mismatch;
-    std::string variants = "free,perturbed,learned,ensemble,analysis";
+    std::string variants = "free,inserted,nudged,analysis";
     std::filesystem::path record;
     std::string record_format = "csv";
-    double disturbance = 1e-7, change = 0.03, sample_delay = 0;
     SensorSettings sensors;
-    bool catch_up = true, layouts = false;
+    bool layouts = false;
     Learning learning;
     Corrections corrections;
     std::string filter = "corrected";
@@ -33,39 +32,24 @@ struct TwinSettings {
         triaxial.test.final_axial_strain = 0.025;
         corrections.nudging = {5e6, 100, 0.01}; // force of about the contact forces at 55 kPa
         corrections.largest_shift = 1e-6;
-        corrections.largest_work_share = 0.005;
         learning.specimen_scatter = -1;
     }
     void describe(auto& option) {
-        option.group("TwinSettings experiment");
+        option.group("Twin experiment");
         option(
             "variants", variants, "",
             "Variants of the model, separated by commas. none: run the truth only. free: no "
-            "assimilation. perturbed: the true parameters from a disturbed start. inserted: "
-            "direct insertion of the sensor rocks' poses, as in the SmartRock report. spread: "
-            "direct insertion that also moves all other rocks. nudged: sensor rocks nudged by "
-            "springs of bounded force. learned: estimated friction and stiffness. both: learned "
-            "and nudged. ensemble: forecast of the ensemble members that learned. load_cell, "
-            "sensors_only: the same, learned without the sensors or from them alone. analysis: "
-            "ensemble, with the recordings of the sensors extended to all rocks. null: analysis "
-            "with q of this specimen and sensors of another, which should bring no improvement.");
+            "assimilation. inserted: direct insertion of the sensor rocks' poses, as in the "
+            "SmartRock report. nudged: sensor rocks nudged by springs of bounded force. analysis: "
+            "the forecast of ensemble members that learned friction and stiffness, with the "
+            "recordings of the sensors extended to all rocks.");
         option("model_friction", model.friction, "",
                "Friction coefficient between rocks in the model. The true one is --friction.",
                above(0, 100));
         option("model_stiffness", model.stiffness, "",
                "Contact stiffness in the model, relative to the true one.", above(0, 1e6));
         mismatch.describe(option);
-        option("disturbance", disturbance, "m",
-               "Random displacement of every rock at the start of the perturbed run.",
-               within(0, 1));
         learning.describe(option);
-        option("change", change, "",
-               "Relative change of the estimated friction or stiffness from which the model takes "
-               "over the new estimate.",
-               above(0, 10));
-        option("catch_up", catch_up, "",
-               "Restart the model from the specimen with each new estimate. false: continue from "
-               "the model's present state.");
         option("layouts", layouts, "",
                "Try other layouts of sensor rocks (how many, which ones, how often they are "
                "sampled) and write the error that remains in rocks without sensors (layouts.csv).");
@@ -95,11 +79,6 @@ struct TwinSettings {
                "Largest displacement of a sensor rock by direct insertion in a time step. 0: no "
                "limit.",
                within(0, 1));
-        option("largest_work_share", corrections.largest_work_share, "",
-               "Largest work of the corrections from one analysis to the next, relative to the "
-               "work of platens and membrane. Corrections that cost more are reduced or refused. "
-               "0: no limit.",
-               within(0, 1));
         option("nudging_stiffness", corrections.nudging.stiffness, "N/m",
                "Stiffness of the critically damped springs that nudge sensor rocks.",
                above(0, 1e15));
@@ -113,12 +92,6 @@ struct TwinSettings {
                within(0, 0.99));
         option("outliers", sensors.faults.outliers, "",
                "Fraction of samples that are wrong by 20 mm and half a radian.", within(0, 0.99));
-        option("sample_delay", sample_delay, "", "Axial strain by which samples arrive late.",
-               within(0, 1));
-        option("lag", corrections.filter.lag, "",
-               "Number of samples by which late ones may lag behind and still be used for an "
-               "inserted or nudged sensor rock. 0: late samples are refused.",
-               within(0, 1e6));
         option("drift", corrections.filter.drift, "m2",
                "Variance of the model's displacement error that accumulates in a unit of axial "
                "strain.",

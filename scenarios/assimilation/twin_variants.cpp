@@ -13,9 +13,7 @@ namespace bris {
 
 namespace {
 
-constexpr std::array<std::string_view, 12> variant_names{
-    "free", "perturbed", "inserted",     "spread",   "nudged",   "learned",
-    "both", "load_cell", "sensors_only", "ensemble", "analysis", "null"};
+constexpr std::array<std::string_view, 4> variant_names{"free", "inserted", "nudged", "analysis"};
 
 } // namespace
 
@@ -34,21 +32,6 @@ std::vector<std::string> names_of_variants(const std::string& list) {
         names.push_back(name);
     }
     return names;
-}
-
-bool is_computed(const std::string& variant) {
-    return variant == "ensemble" || variant == "load_cell" || variant == "sensors_only" ||
-           variant == "analysis" || variant == "null";
-}
-
-bool is_corrected(const std::string& variant) {
-    constexpr std::array<std::string_view, 6> corrected{"inserted", "spread",   "nudged",
-                                                        "both",     "analysis", "null"};
-    return std::ranges::count(corrected, variant) > 0;
-}
-
-bool learns(const std::string& variant) {
-    return variant == "learned" || variant == "both" || is_computed(variant);
 }
 
 } // namespace bris

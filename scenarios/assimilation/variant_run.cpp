@@ -16,12 +16,9 @@ void count_fusion(const World& world, ModelRun& run) {
     run.fusion_work += fusion_work(world);
     const Fusion& fusion = world.resource<Fusion>();
     run.analyses = fusion.records;
-    run.too_costly += fusion.budget.reduced;
-    run.much_too_costly += fusion.budget.withheld;
     for (std::size_t s = 0; s < world.table<Sensors>().size(); ++s) {
         run.accepted += world.column<Sensors, Accepted>()[s];
         run.refused += world.column<Sensors, Refused>()[s];
-        run.too_late += world.column<Sensors, TooLate>()[s];
         run.reduced += world.column<Sensors, Reduced>()[s];
         run.withheld += world.column<Sensors, Withheld>()[s];
     }
@@ -39,33 +36,15 @@ void record_stage(TriaxialModel& model, ModelRun& run) {
     }
 }
 
-/// Replaces the latest part of the smoothed trajectories by the present estimates of the smoothers.
-void record_smoothed(const World& world, ModelRun& run) {
-    if (!world.has_resource<Fusion>()) return;
-    const auto host = world.column<Sensors, SensorHost>();
-    run.smoothed.resize(run.sensors);
-    for (std::size_t s = 0; s < host.size(); ++s) {
-        const auto rock =
-            static_cast<std::size_t>(std::ranges::find(run.rocks, host[s]) - run.rocks.begin());
-        auto& trajectory = run.smoothed[rock];
-        const auto window = world.resource<Fusion>().filters[s].smoothed();
-        if (window.empty()) continue;
-        std::erase_if(trajectory,
-                      [&](const SmoothedPose& p) { return p.time >= window.front().time; });
-        trajectory.insert(trajectory.end(), window.begin(), window.end());
-    }
-}
-
 } // namespace
 
 VariantRun::VariantRun(const TriaxialScene& scene, const TriaxialSettings& settings,
-                       const Archive& specimen, ModelVariant variant, std::uint64_t seed,
+                       const Archive& specimen, ModelVariant variant,
                        ModelWatch watch, CheckpointedRun* checkpoint)
     : scene_(scene), settings_(settings), specimen_(specimen), variant_(std::move(variant)),
-      seed_(seed), watch_(std::move(watch)), checkpoint_(checkpoint) {
+      watch_(std::move(watch)), checkpoint_(checkpoint) {
     if (!resume())
-        model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, variant_,
-                                                 variant_.rocks, seed_);
+        model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, variant_.rocks);
 }
 
 void VariantRun::advance_to(std::size_t points) {
@@ -93,8 +72,7 @@ bool VariantRun::resume() {
     get_fields(*before, "run/progress", std::tie(applied_, done_));
     if (done_) return true;
     const RockParameters now = applied_ > 0 ? variant_.learned[applied_ - 1].rocks : variant_.rocks;
-    model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, variant_,
-                                             variant_.catch_up ? now : variant_.rocks, seed_);
+    model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, now);
     model_->set_parameters(scene_, now);
     model_->load(variant_, *before);
     return true;
@@ -129,21 +107,15 @@ void VariantRun::stage() {
         run_.core_porosity = model_->test().state().core_porosity;
     }
     record_stage(*model_, run_);
-    record_smoothed(world, run_);
     watch_.stage(world, run_.points.back());
     if (applied_ == variant_.learned.size() ||
         run_.points.back().axial_strain <
             variant_.learned[applied_].strain - 0.5 * settings_.stage_strain)
         return;
     const RockParameters parameters = variant_.learned[applied_++].rocks;
-    if (!variant_.catch_up) {
-        model_->set_parameters(scene_, parameters);
-        model_->rescale();
-        return;
-    }
     run_.steps += world.resource<Clock>().step;
     model_ =
-        std::make_unique<TriaxialModel>(scene_, settings_, specimen_, variant_, parameters, seed_);
+        std::make_unique<TriaxialModel>(scene_, settings_, specimen_, parameters);
 }
 
 void VariantRun::end() {

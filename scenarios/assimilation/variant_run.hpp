@@ -17,7 +17,7 @@ class VariantRun {
 public:
     /// Resumes from its checkpoint if there is one; runs no step yet.
     VariantRun(const TriaxialScene& scene, const TriaxialSettings& settings,
-               const Archive& specimen, ModelVariant variant, std::uint64_t seed,
+               const Archive& specimen, ModelVariant variant,
                ModelWatch watch = {}, CheckpointedRun* checkpoint = nullptr);
 
     /// Advances until the run has so many points, or to the end of the test; a resumed run may have
@@ -40,7 +40,6 @@ private:
     const TriaxialSettings& settings_;
     const Archive& specimen_;
     ModelVariant variant_;
-    std::uint64_t seed_;
     ModelWatch watch_;
     CheckpointedRun* checkpoint_;
     Instant began_ = this_instant();

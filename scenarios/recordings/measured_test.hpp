@@ -12,7 +12,6 @@ struct MeasuredTest {
     std::vector<double> strain, q, volumetric_strain;
     std::vector<SensorTrajectory> trajectories = {};
     double displacement_noise = 1e-4;  ///< m, of the trajectories, root mean square
-    double sample_delay = 0;           ///< axial strain by which samples of the sensors arrive late
     std::vector<double> rejected = {}; ///< axial strains at which q was rejected
 };
 MeasuredTest measured_test(const std::vector<TriaxialPoint>& points);

@@ -105,20 +105,9 @@ constexpr std::array faults{
           }},
     Fault{"the last good sample repeated",
           [](TimedMeasurement& m, const Samples& good, auto&) {
-              m = {good[good_ones - 1].time, good[good_ones - 1].what, m.time};
+              m = {good[good_ones - 1].time, good[good_ones - 1].what};
           }},
-    Fault{"late samples",
-          [](auto& m, auto&, auto&) {
-              m = {m.time - 5 * interval, m.what, m.time};
-          }},
-    Fault{"a clock 10 s behind",
-          [](auto& m, auto&, auto&) {
-              m = {m.time - 10, m.what, m.time};
-          }},
-    Fault{"a clock 10 s ahead",
-          [](auto& m, auto&, auto&) {
-              m = {m.time + 10, m.what, m.time + 10};
-          }},
+    Fault{"a clock 10 s ahead", [](auto& m, auto&, auto&) { m.time += 10; }},
     Fault{"a shift of ten diameters, no gate",
           [](auto& m, auto&, auto&) {
               m.what = position(m.what.position + Vec3(10 * diameter, 0, 0));
@@ -205,9 +194,9 @@ void add_fault(StressRows& rows, std::uint64_t seed, const Fault& fault,
                assimilated = counted<Accepted>(without) > hosts.size() * good_ones;
     const double work = fusion_work(with.world()), energy = energy_of(seed);
     const auto found =
-        fmt::format("{}, {} refused, {} too late, {} withheld, work {:.1e} J of {:.1e} J, {}",
+        fmt::format("{}, {} refused, {} withheld, work {:.1e} J of {:.1e} J, {}",
                     finite ? "finite" : "not finite",
-                    counted<Refused>(with) - counted<Refused>(without), counted<TooLate>(with),
+                    counted<Refused>(with) - counted<Refused>(without),
                     counted<Withheld>(with), work, energy, same ? "the same bits" : "other bits");
     rows.push_back(
         {"S11", fmt::format("sensors in a bed: {}", fault.what),

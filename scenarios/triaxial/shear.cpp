@@ -7,7 +7,6 @@
 #include "scenarios/triaxial/specimen_state.hpp"
 #include "scenarios/triaxial/triaxial.hpp"
 #include "systems/fusion/fuse.hpp"
-#include "systems/fusion/spread.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/porosity.hpp"
 #include "systems/output/quantities.hpp"
@@ -128,14 +127,7 @@ bool TriaxialTest::analyse() {
     auto& fusion = world.resource<Fusion>();
     fusion.strain = static_cast<double>(state().stage + 1) * settings_.stage_strain;
     if (!fusion_is_due(world) || dismiss_samples(world)) return false;
-    begin_analysis(world);
-    const std::size_t first_record = fusion.records.size();
-    run(1);
-    const double spread = fusion.spread ? spread_corrections(world) : 0;
-    if (limits_corrections(world))
-        limit_corrections(world, first_record,
-                          fusion.spread ? spread : energy_of_corrections(world));
-    run(fusion.injection_steps);
+    run(1 + fusion.injection_steps);
     return true;
 }
 

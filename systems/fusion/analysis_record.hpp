@@ -23,9 +23,6 @@ struct AnalysisRecord {
     double position_deviation = none, attitude_deviation = none;
     double share = 1; ///< fraction of the correction that was applied
     double work = 0;  ///< J, work of all earlier corrections on this rock
-    /// J, for all rocks together until the next analysis: the work allowed, and the work expected
-    /// of corrections applied in full (WorkBudget). NaN: no limit.
-    double work_allowed = none, work_expected = none;
 
     static void visit(auto& self, auto&& visit_one) {
         visit_one("time", self.time);
@@ -42,8 +39,6 @@ struct AnalysisRecord {
         visit_one("attitude_deviation_rad", self.attitude_deviation);
         visit_one("share_given", self.share);
         visit_one("work_before_J", self.work);
-        visit_one("work_allowed_J", self.work_allowed);
-        visit_one("work_expected_J", self.work_expected);
     }
 };
 

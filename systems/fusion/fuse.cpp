@@ -27,16 +27,6 @@ bool has_arrived(double time, const Fusion& fusion, const Clock& clock) {
     return fusion.by_strain ? time <= fusion.strain * (1 + 1e-9)
                             : time <= end_of_step(clock) + 1e-6 * clock.dt;
 }
-bool note_is_due(const Fusion& fusion, const Clock& clock) {
-    return fusion.note_every > 0 &&
-           has_arrived(static_cast<double>(fusion.notes) * fusion.note_every, fusion, clock);
-}
-/// True if the sample was taken before this step, or there was an analysis after its time.
-bool is_late(const TimedMeasurement& m, const SensorFilter& filter, const Fusion& fusion,
-             const Clock& clock) {
-    const double since = fusion.by_strain ? m.arrives * (1 - 1e-9) : clock.time() - 1e-6 * clock.dt;
-    return filter.has_passed(m.time) || (m.arrives > m.time && m.time < since);
-}
 
 Vec3 momentum_of(double inertia, const Vec3& angular_velocity) {
     return inertia * angular_velocity;
@@ -121,37 +111,24 @@ Measured observation_of(const Measured& what, const Fusion& fusion, Update&& upd
 }
 
 /// Assimilates the samples of a sensor that have arrived and adds their corrections to `to_come`.
-/// Returns false if no sample arrived, or all that did were repetitions or too late.
+/// Returns false if no sample arrived, or all that did were repetitions.
 bool assimilate_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& samples,
-                        std::uint64_t& next, std::uint64_t& too_late, const RigidState& now,
-                        Analysis& to_come, const Fusion& fusion, const Clock& clock) {
+                        std::uint64_t& next, const RigidState& now, Analysis& to_come,
+                        const Fusion& fusion, const Clock& clock) {
     bool taken = false;
-    for (; next < samples.size() && has_arrived(samples[next].arrives, fusion, clock); ++next) {
+    for (; next < samples.size() && has_arrived(samples[next].time, fusion, clock); ++next) {
         const TimedMeasurement& m = samples[next];
         if (m.again) {
             ++to_come.refused;
             continue;
         }
-        if (!is_late(m, filter, fusion, clock)) {
-            const double earlier = fusion.by_strain ? 0 : end_of_step(clock) - m.time;
-            const BodyForecast forecast{m.time, state_at(earlier, now, to_come)};
-            const Measured what = observation_of(m.what, fusion, [&](const Measured& own) {
-                return SensorFilter(filter).update(forecast, own);
-            });
-            to_come = sum_of(to_come, filter.update(forecast, what));
-            taken = true;
-            continue;
-        }
-        filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
+        const double earlier = fusion.by_strain ? 0 : end_of_step(clock) - m.time;
+        const BodyForecast forecast{m.time, state_at(earlier, now, to_come)};
         const Measured what = observation_of(m.what, fusion, [&](const Measured& own) {
-            return SensorFilter(filter).update_late(m.time, own).value_or(Analysis{});
+            return SensorFilter(filter).update(forecast, own);
         });
-        const auto late = filter.update_late(m.time, what);
-        if (late)
-            to_come = sum_of(to_come, *late);
-        else
-            ++too_late;
-        taken = taken || late;
+        to_come = sum_of(to_come, filter.update(forecast, what));
+        taken = true;
     }
     return taken;
 }
@@ -178,9 +155,9 @@ bool is_assimilated(const World& world, Row s) {
                                     bodies.column<AngularVelocity>()[b], clock);
     Analysis to_come = pending_of(bodies.column<Correction>()[b]);
     SensorFilter filter = fusion.filters[s];
-    std::uint64_t next = world.column<Sensors, NextSample>()[s], too_late = 0;
-    (void)assimilate_samples(filter, world.resource<Replay>().samples[s], next, too_late, now,
-                             to_come, fusion, clock);
+    std::uint64_t next = world.column<Sensors, NextSample>()[s];
+    (void)assimilate_samples(filter, world.resource<Replay>().samples[s], next, now, to_come,
+                             fusion, clock);
     return to_come.accepted > 0;
 }
 
@@ -198,7 +175,7 @@ double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion
 }
 
 AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, double share,
-                         double work, const WorkBudget& budget) {
+                         double work) {
     const AnalysisStatistics &position = filter.position(), &attitude = filter.attitude();
     const double axis = 1 / std::sqrt(3.0);
     return {.time = time,
@@ -212,9 +189,7 @@ AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, do
             .position_deviation = axis * position.deviation.norm(),
             .attitude_deviation = axis * attitude.deviation.norm(),
             .share = share,
-            .work = work,
-            .work_allowed = budget.allowed,
-            .work_expected = budget.expected};
+            .work = work};
 }
 
 /// Adds the velocity and angular velocity of a correction to a body at once, and accumulates the
@@ -240,13 +215,10 @@ template <class BodyRows, class OrientationOf, class MomentumOf, class CountLast
 void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListState& lists,
           const Replay& replay, const Clock& clock, OrientationOf&& orientation_of,
           MomentumOf&& momentum, CountLastTurn&& count_last_turn) {
-    const bool notes = note_is_due(fusion, clock);
     for (Row s = sensors.first(); s < sensors.last(); ++s) {
         std::uint64_t& next = sensors.column<NextSample>()[s];
         const auto& samples = replay.samples[s];
-        if (!notes &&
-            (next >= samples.size() || !has_arrived(samples[next].arrives, fusion, clock)))
-            continue;
+        if (next >= samples.size() || !has_arrived(samples[next].time, fusion, clock)) continue;
         const Row b = row_of(bodies, sensors.column<SensorHost>()[s]);
         const Vec3 &velocity = bodies.template column<Velocity>()[b],
                    &angular_velocity = bodies.template column<AngularVelocity>()[b];
@@ -257,39 +229,30 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         const Analysis pending = pending_of(correction);
         Analysis to_come = pending;
         SensorFilter& filter = fusion.filters[s];
-        const bool taken = assimilate_samples(filter, samples, next, sensors.column<TooLate>()[s],
-                                              now, to_come, fusion, clock),
+        const bool taken =
+                       assimilate_samples(filter, samples, next, now, to_come, fusion, clock),
                    assimilated = to_come.accepted > 0;
         sensors.column<Accepted>()[s] += to_come.accepted;
         sensors.column<Refused>()[s] += to_come.refused;
         double& largest = sensors.column<LargestInnovation>()[s];
         largest = std::max(largest, to_come.largest_distance);
         // refused samples move nothing and do not prolong a pending correction
-        if (taken && !assimilated) {
-            if (filter.remembers()) filter.withhold(sum_of(to_come, scaled(-1, pending)));
-            to_come = pending;
-            fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0,
-                                               bodies.template column<FusionWork>()[b],
-                                               fusion.budget));
-        }
-        if (notes) filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
+        const double work = bodies.template column<FusionWork>()[b];
+        if (taken && !assimilated)
+            fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0, work));
         if (!assimilated) continue;
         const bool nudged = fusion.nudging.stiffness > 0;
         const double share =
-            nudged ? fusion.budget.gain
+            nudged ? 1
                    : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion,
                                    clock);
-        fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share,
-                                           bodies.template column<FusionWork>()[b], fusion.budget));
-        if (nudged && share < 1) ++(share > 0 ? fusion.budget.reduced : fusion.budget.withheld);
-        if (!nudged && share < 1)
-            ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
+        fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share, work));
+        if (share < 1) ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
         if (share == 0) { // nothing is applied, and the filter is informed of it
             filter.withhold(sum_of(to_come, scaled(-1, pending)));
-            if (nudged) release_nudging(bodies.template column<Nudging>()[b]);
             continue;
         }
-        if (!nudged && share < 1) {
+        if (share < 1) {
             const Analysis given = scaled(share, to_come);
             filter.withhold(sum_of(to_come, scaled(-1, given)));
             to_come = given;
@@ -299,33 +262,26 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         std::uint32_t& guided = bodies.template column<Guided>()[b];
         if (nudged) {
             // the body may follow or not: what it does enters the next forecast
-            if (filter.remembers()) filter.withhold({.shift = to_come.shift, .turn = to_come.turn});
             NudgingTarget target = target_of(now, to_come, fusion);
             count_last_turn(b, target);
-            set_nudging(bodies.template column<Nudging>()[b], guided, target, fusion.nudging,
-                        share);
+            set_nudging(bodies.template column<Nudging>()[b], guided, target, fusion.nudging);
         } else {
             set_correction(correction, guided, to_come.shift, to_come.turn, fusion.injection_steps);
         }
     }
-    if (notes)
-        fusion.notes =
-            static_cast<std::uint64_t>(now_of(fusion, clock) / fusion.note_every * (1 + 1e-9)) + 1;
 }
 
 } // namespace
 
 void Fusion::save(Archive& archive) const {
-    put_fields(archive, "fusion/strain", std::tie(strain, notes));
-    budget.save(archive, "fusion/budget");
+    put_fields(archive, "fusion/strain", std::tie(strain));
     save_records(archive, "fusion/records", records);
     for (std::size_t k = 0; k < filters.size(); ++k)
         filters[k].save(archive, fmt::format("fusion/{}", k));
 }
 
 void Fusion::load(const Archive& archive) {
-    get_fields(archive, "fusion/strain", std::tie(strain, notes));
-    budget.load(archive, "fusion/budget");
+    get_fields(archive, "fusion/strain", std::tie(strain));
     records = load_records(archive, "fusion/records");
     for (std::size_t k = 0; k < filters.size(); ++k)
         filters[k].load(archive, fmt::format("fusion/{}", k));
@@ -346,20 +302,14 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts,
     table.add<NextSample>();
     table.add<Accepted>();
     table.add<Refused>();
-    table.add<TooLate>();
     table.add<Reduced>();
     table.add<Withheld>();
     table.add<LargestInnovation>();
     table.resize(hosts.size());
     for (Row s = 0; s < hosts.size(); ++s) {
-        require(std::ranges::is_sorted(samples[s], {}, &TimedMeasurement::arrives),
-                fmt::format(
-                    "sensor {}: expected samples in the order of arrival, found another order", s));
-        const bool causal = std::ranges::all_of(
-            samples[s], [](const TimedMeasurement& m) { return m.arrives >= m.time; });
-        require(causal,
-                fmt::format(
-                    "sensor {}: expected samples to arrive after their time, found one before", s));
+        require(std::ranges::is_sorted(samples[s], {}, &TimedMeasurement::time),
+                fmt::format("sensor {}: expected samples in the order of time, found another order",
+                            s));
         mark_repeated(samples[s]);
         table.column<SensorId>()[s] = s;
         table.column<SensorHost>()[s] = hosts[s];
@@ -380,9 +330,9 @@ bool fusion_is_due(const World& world) {
     const Clock& clock = world.resource<Clock>();
     const auto next = world.column<Sensors, NextSample>();
     for (std::size_t s = 0; s < samples.size(); ++s)
-        if (next[s] < samples[s].size() && has_arrived(samples[s][next[s]].arrives, fusion, clock))
+        if (next[s] < samples[s].size() && has_arrived(samples[s][next[s]].time, fusion, clock))
             return true;
-    return note_is_due(fusion, clock);
+    return false;
 }
 
 bool dismiss_samples(World& world) {

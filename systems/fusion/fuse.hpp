@@ -9,7 +9,6 @@
 #include "systems/fusion/analysis_record.hpp"
 #include "systems/fusion/nudging.hpp"
 #include "systems/fusion/sensor_filter.hpp"
-#include "systems/fusion/work_budget.hpp"
 
 namespace bris {
 
@@ -17,11 +16,14 @@ namespace bris {
 struct TimedMeasurement {
     double time;
     Measured what;
-    double arrives = time; ///< time of arrival, >= time; later than `time`: a late measurement
-    bool again = false;    ///< repeats an earlier sample (set by add_sensors): no new information
+    bool again = false; ///< repeats an earlier sample (set by add_sensors): no new information
 };
 
-/// The recordings of a scene's sensors, by sensor row, each in the order of arrival.
+/// Smallest fraction to which a correction is reduced. One that would have to be reduced further
+/// has no meaning for this model and is withheld.
+inline constexpr double least_share = 0.01;
+
+/// The recordings of a scene's sensors, by sensor row, each in the order of time.
 struct Replay {
     static constexpr auto name = "replay";
     std::vector<std::vector<TimedMeasurement>> samples;
@@ -40,16 +42,10 @@ struct Fusion {
     /// correction is reduced to this limit; one a hundred times larger is withheld. 0: no limit.
     /// Nudging has its own limit.
     double largest_shift = 0;
-    /// s or strain: interval at which the filters store the simulated motion, besides at analyses,
-    /// for samples that arrive late; 0: only at analyses.
-    double note_every = 0;
-    bool spread = false; ///< spread corrections over the contact network (spread_corrections)
     /// True in a staged test, where time has no meaning: samples are indexed by axial strain, and
     /// all bodies are at rest when samples are assimilated.
     bool by_strain = false;
-    double strain = 0;                   ///< axial strain up to which samples have arrived
-    std::uint64_t notes = 0;             ///< number of intervals note_every that have begun
-    WorkBudget budget;                   ///< limit on the work of corrections, in a staged test
+    double strain = 0;                   ///< axial strain up to which samples are assimilated
     std::vector<AnalysisRecord> records; ///< of all analyses
 
     void save(Archive& archive) const;
@@ -58,13 +54,12 @@ struct Fusion {
 
 /// Turns bodies into sensor rocks: adds the table of sensors, their filters and recordings, and the
 /// columns of corrections. `samples`: one recording per host. Throws InputError if samples are not
-/// in the order of arrival or arrive before they are taken, if a host occurs twice, or if
-/// injection_steps is 0.
+/// in the order of time, if a host occurs twice, or if injection_steps is 0.
 void add_sensors(World& world, const std::vector<EntityId>& hosts,
                  std::vector<std::vector<TimedMeasurement>> samples, const FilterSettings& settings,
                  unsigned injection_steps = 1);
 
-using FusedSensors = Rows<Sensors, const SensorHost, NextSample, Accepted, Refused, TooLate,
+using FusedSensors = Rows<Sensors, const SensorHost, NextSample, Accepted, Refused,
                           Reduced, Withheld, LargestInnovation>;
 template <class... Shape>
 using FusedBodies =
@@ -72,11 +67,11 @@ using FusedBodies =
          const InertialMass, Velocity, AngularVelocity, StepAngularVelocity, AngularMomentum,
          Guided, Correction, Nudging, FusionWork, Shape...>;
 
-/// True if a sample arrives by the end of this step, or the motion is to be stored.
+/// True if there is a sample by the end of this step.
 bool fusion_is_due(const World& world);
 
 /// For a staged test, between steps. If the gate accepts none of the samples that have arrived,
-/// counts them and stores the motion without a step, moves nothing and returns true. Otherwise
+/// counts them without a step, moves nothing and returns true. Otherwise
 /// returns false, and the next step assimilates all samples.
 bool dismiss_samples(World& world);
 

@@ -116,21 +116,22 @@ void nudge_clumps(Rows<Bodies, const Guided, const Position, const Velocity, con
 }
 
 void set_nudging(NudgingRow& row, std::uint32_t& guided, const NudgingTarget& target,
-                 const NudgingSettings& settings, double gain) {
+                 const NudgingSettings& settings) {
     row.position = target.position;
     row.velocity = target.velocity;
     row.attitude = target.attitude;
     row.angular_velocity = target.angular_velocity;
-    row.stiffness = gain * settings.stiffness;
+    row.stiffness = settings.stiffness;
     row.turn_stiffness = row.stiffness * settings.arm * settings.arm;
-    row.largest_force = gain * settings.largest_force;
+    row.largest_force = settings.largest_force;
     row.largest_torque = row.largest_force * settings.arm;
     row.held = 0;
     guided = 1;
 }
 
-void hold_nudging(NudgingRow& row) { row.held = 1; }
-
-void release_nudging(NudgingRow& row) { row.stiffness = row.turn_stiffness = 0; }
+void hold_nudging_forces(World& world) {
+    for (NudgingRow& row : world.column<Bodies, Nudging>())
+        if (row.is_active()) row.held = 1;
+}
 
 } // namespace bris

@@ -54,15 +54,12 @@ struct NudgingTarget {
     Vec3 angular_velocity; ///< rad/s
 };
 
-/// Nudges a body towards the target from now on. `gain`: factor of stiffness and largest force,
-/// from 0 to 1; 0 ends the nudging.
+/// Nudges a body towards the target from now on.
 void set_nudging(NudgingRow& row, std::uint32_t& guided, const NudgingTarget& target,
-                 const NudgingSettings& settings, double gain);
+                 const NudgingSettings& settings);
 
-/// Keeps force and torque constant from now on, because the target is no longer known.
-void hold_nudging(NudgingRow& row);
-
-/// Ends the nudging.
-void release_nudging(NudgingRow& row);
+/// Keeps the force and torque of all nudging constant from now on, because the targets are no
+/// longer known: to be called before the platens of a staged test move.
+void hold_nudging_forces(World& world);
 
 } // namespace bris

@@ -33,7 +33,6 @@ bool Measured::is_empty() const {
 }
 
 SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings) {
-    if (settings.kind == FilterKind::printed) settings_.lag = 0; // it cannot go back in time
     filter_.begin(settings.position, settings.velocity, settings.attitude,
                   settings.angular_velocity, 0, 0);
     filter_.gate = settings.gate < 1 ? chi_squared_quantile(settings.gate, 3) : 0;
@@ -45,12 +44,8 @@ Analysis SensorFilter::update(const BodyForecast& forecast, const Measured& meas
     begun_ = true;
     last_time_ = forecast.time;
     if (settings_.kind == FilterKind::printed) return update_as_printed(forecast, measured, dt);
-    move_on(dt, window_.empty()
-                    ? forecast.state
-                    : carried(window_.back().estimate, window_.back().given, forecast.state, dt));
+    move_on(dt, forecast.state);
     const Analysis seen = observe(measured);
-    if (remembers())
-        remember({forecast, measured, filter_.state, filter_.state, filter_.error().root});
     Analysis a = difference(filter_.state, forecast.state);
     a.accepted = seen.accepted;
     a.refused = seen.refused;
@@ -136,12 +131,11 @@ Analysis SensorFilter::observe(const Measured& measured) {
 
 void SensorFilter::withhold(const Analysis& part) {
     if (settings_.kind == FilterKind::printed) return;
-    RigidState& stays = remembers() ? window_.back().given : filter_.state;
+    RigidState& stays = filter_.state;
     stays.position -= part.shift;
     stays.velocity -= part.velocity;
     stays.orientation = (exponential_map(-part.turn) * stays.orientation).normalized();
     stays.angular_velocity -= part.angular_velocity;
-    if (remembers()) return;
     Gaussian error = filter_.error();
     Vector left = Vector::Zero(InertialFilter::size);
     left.head<12>() << part.shift, part.velocity, part.turn, part.angular_velocity;
@@ -199,7 +193,6 @@ void SensorFilter::save(Archive& archive, const std::string& path) const {
     put_fields(archive, path + "/time",
                std::tie(last_time_, begun_, angular_velocity.x(), angular_velocity.y(),
                         angular_velocity.z()));
-    if (settings_.lag > 0) save_window(archive, path + "/window");
 }
 
 void SensorFilter::load(const Archive& archive, const std::string& path) {
@@ -216,7 +209,6 @@ void SensorFilter::load(const Archive& archive, const std::string& path) {
     get_fields(archive, path + "/time",
                std::tie(last_time_, begun_, angular_velocity.x(), angular_velocity.y(),
                         angular_velocity.z()));
-    if (settings_.lag > 0) load_window(archive, path + "/window");
 }
 
 } // namespace bris

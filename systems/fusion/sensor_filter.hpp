@@ -4,7 +4,6 @@
 #include "engine/estimation/inertial_filter.hpp"
 #include "engine/estimation/printed_filter.hpp"
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,9 +33,6 @@ struct FilterSettings {
     double turning = 0;                         ///< rad2 per unit of time, or of strain
     /// Probability with which the gate accepts a consistent measurement; 1: it accepts all.
     double gate = 0.99;
-    /// Number of past analyses to which a late measurement can go back; 0: late measurements are
-    /// refused.
-    unsigned lag = 0;
 };
 
 /// Forecast of a body's state by the simulation at the time of a measurement: s, or strain in a
@@ -75,43 +71,17 @@ struct AnalysisStatistics {
     AnalysisStatistics();
 };
 
-/// Pose of a body estimated from all its measurements, earlier and later.
-struct SmoothedPose {
-    double time = 0; ///< s, or strain
-    Vec3 position = Vec3::Zero();
-    Quat attitude = Quat::Identity();
-    /// m and rad, standard deviations along the global axes.
-    Vec3 position_deviation = Vec3::Zero(), attitude_deviation = Vec3::Zero();
-};
-
-/// The filter of one sensor, which computes a correction from a forecast and a measurement. It
-/// stores its last analyses (FilterSettings::lag) and goes back to them for late measurements.
+/// The filter of one sensor, which computes a correction from a forecast and a measurement.
 class SensorFilter {
 public:
     SensorFilter() = default;
     explicit SensorFilter(const FilterSettings& settings);
 
     Analysis update(const BodyForecast& forecast, const Measured& measured);
-    /// Informs the filter that this part of its last correction is not applied to the body. A
-    /// filter that stores its analyses continues from its own estimate. Any other continues from
-    /// the motion of the body and increases its covariance by the withheld part. The filter
-    /// `printed` ignores the call.
+    /// Informs the filter that this part of its last correction is not applied to the body: it
+    /// continues from the motion of the body and increases its covariance by the withheld part. The
+    /// filter `printed` ignores the call.
     void withhold(const Analysis& part);
-    /// True if the filter stores its analyses.
-    bool remembers() const { return settings_.lag > 0; }
-
-    /// Stores the simulated motion without a measurement, for late measurements of about this time.
-    void note(const BodyForecast& now);
-    /// True if there was an analysis after this time.
-    bool has_passed(double time) const { return begun_ && time < last_time_; }
-    /// Assimilates a late measurement at its own time: goes back to the analysis before it, and
-    /// repeats all later analyses. Returns the correction at the newest analysis (call note()
-    /// first, with the present state of the body), or nothing if the measurement is older than the
-    /// stored analyses. The body is assumed to have moved uniformly between two analyses.
-    std::optional<Analysis> update_late(double time, const Measured& measured);
-    /// The poses at the stored analyses, estimated from later measurements as well (fixed-lag
-    /// smoothing).
-    std::vector<SmoothedPose> smoothed() const;
     /// Statistics of the last analysis of position and attitude.
     const AnalysisStatistics& position() const { return position_; }
     const AnalysisStatistics& attitude() const { return attitude_; }
@@ -123,15 +93,6 @@ public:
     void load(const Archive& archive, const std::string& path);
 
 private:
-    /// An analysis, with the data needed to repeat it.
-    struct Snapshot {
-        BodyForecast forecast;
-        Measured measured;
-        RigidState estimate; // from all measurements of this time or before, late ones included
-        RigidState given;    // state from which the simulation continued
-        Matrix root;         // square root of the error covariance
-    };
-
     Analysis update_as_printed(const BodyForecast& forecast, const Measured& measured, double dt);
     void move_on(double dt, const RigidState& forecast);
     Analysis observe(const Measured& measured);
@@ -139,14 +100,6 @@ private:
     AnalysisStatistics analysis_statistics(const Verdict& verdict, InertialFilter::Part part,
                                            const Mat3& before, double noise) const;
     static Analysis difference(const RigidState& a, const RigidState& b);
-    static RigidState carried(const RigidState& estimate, const RigidState& given,
-                              const RigidState& later, double dt);
-    Transition transition(double dt, const Vec3& angular_velocity) const;
-    void remember(const Snapshot& snapshot);
-    void go_back_to(const Snapshot& snapshot);
-    Analysis update_again(std::size_t k);
-    void save_window(Archive& archive, const std::string& path) const;
-    void load_window(const Archive& archive, const std::string& path);
 
     FilterSettings settings_;
     InertialFilter filter_; // `corrected` uses only its first four parts
@@ -154,7 +107,6 @@ private:
     AnalysisStatistics position_, attitude_;
     double last_time_ = 0;
     bool begun_ = false;
-    std::vector<Snapshot> window_; // in the order of time: at most lag + 1
 };
 
 } // namespace bris

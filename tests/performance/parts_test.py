@@ -63,9 +63,8 @@ def check(campaign, words, programs, folder):
     def command(kind, *more):
         work = folder / kind
         work.mkdir(parents=True, exist_ok=True)
-        tables[kind] = [work / 'table.csv', work / 'layouts.csv']
-        own = ['--twin', programs / 'twin', '--layouts', tables[kind][1]] if campaign == 'variants_campaign' else ['--bin', programs]
-        return [str(word) for word in (sys.executable, HERE / campaign, *words, *own, '--threads', 1, '--work', work / 'runs', '--csv', tables[kind][0], *more)]
+        tables[kind] = [work / 'table.csv']
+        return [str(word) for word in (sys.executable, HERE / campaign, *words, '--bin', programs, '--threads', 1, '--work', work / 'runs', '--csv', tables[kind][0], *more)]
 
     def run(*words):
         done = subprocess.run(command(*words), capture_output=True, text=True)
@@ -194,7 +193,6 @@ with tempfile.TemporaryDirectory() as name:
     check('smart_campaign', ['--seeds', '1,2,3,4,5,6'], programs, root / 'smart')
     check('triaxial_campaign', ['--seeds', '1,2', '--variants', 'default,report,no_taps,gravity'], programs, root / 'triaxial')
     check('twin_campaign', ['--seeds', '1,2,3,4', '--levels', 'A,B'], programs, root / 'twin')
-    check('variants_campaign', ['--seeds', '1,2'], programs, root / 'variants')
     check('preparation_campaign', ['gradings', '--seeds', '2', '--bodies', '100'], programs, root / 'preparation')
     check_origin(programs, root / 'origin')
     check_damage(programs, root / 'damage')

@@ -118,12 +118,6 @@ TEST_SUITE("assimilation/analysis") {
         CHECK(refused.displacement[9] == analysis.displacement[9]);
         CHECK((refused.displacement[10][2] - analysis.displacement[10][2]).norm() <
               0.2 * analysis.displacement[10][2].norm());
-        // samples that arrive two stages late correct by the innovation at their own time
-        const ModelRun late =
-            compute_analysis(forecast, scatter, {hosts, trajectories, 1e-6, 1e-6, 2e-3});
-        CHECK(late.displacement[2] == forecast.displacement[2]);
-        CHECK((late.displacement[10][0] - analysis.displacement[8][0]).norm() <
-              1e-3 * analysis.displacement[8][0].norm());
         // a sample is not used before its strain
         for (SensorTrajectory& trajectory : trajectories)
             trajectory.strain.assign(1, 1e-2), trajectory.displacement.resize(1),

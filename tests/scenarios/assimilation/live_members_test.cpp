@@ -37,7 +37,7 @@ struct Live {
     TriaxialScene scene = testing::small_scene();
     TriaxialSettings settings = testing::short_test();
     Archive specimen = testing::prepared(scene);
-    ModelRun truth = run_model(scene, settings, specimen, {.rocks = {0.6, 1.2}}, 1);
+    ModelRun truth = run_model(scene, settings, specimen, {.rocks = {0.6, 1.2}});
     Progress progress{Progress::Style::quiet};
 
     LiveModel model(const Common& common) {
@@ -130,7 +130,7 @@ TEST_SUITE("assimilation/live_members") {
         common.resume = common.out;
         unsigned blocks = 0;
         CheckpointedRun checkpoint(common, live.settings, live.specimen, variants[1]);
-        VariantRun resumed(live.scene, live.settings, live.specimen, variants[1], 1,
+        VariantRun resumed(live.scene, live.settings, live.specimen, variants[1],
                            {.progress = [&](const PhaseProgress&) { ++blocks; }}, &checkpoint);
         resumed.advance_to(9);
         CHECK(blocks == 0);

@@ -3,9 +3,12 @@
 #include "engine/io/whole_file.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <ctime>
 #include <fcntl.h>
+#include <linux/close_range.h>
+#include <stdexcept>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -36,12 +39,21 @@ Process::Process(const std::vector<std::string>& words, const std::function<bool
     for (std::string& word : command) pointers.push_back(word.data());
     pointers.push_back(nullptr);
     const auto out = folder_ / "out", err = folder_ / "err";
+    int begun[2];
+    if (pipe(begun) != 0) throw std::runtime_error("no pipe");
     id_ = fork();
-    if (id_ != 0) return;
+    if (id_ != 0) { // until the program has begun, a signal would meet a copy of the tests
+        close(begun[1]);
+        char none = 0;
+        while (read(begun[0], &none, 1) < 0 && errno == EINTR) {}
+        close(begun[0]);
+        return;
+    }
     redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
     redirect(STDOUT_FILENO, out, O_WRONLY | O_CREAT);
     redirect(STDERR_FILENO, err, O_WRONLY | O_CREAT);
-    close_range(STDERR_FILENO + 1, ~0U, 0); // what the starter of the tests left open
+    // what the starter of the tests left open, and the pipe
+    close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
     if (!prepare || prepare()) execv(pointers[0], pointers.data());
     _exit(127);
 }

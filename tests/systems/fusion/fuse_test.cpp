@@ -68,27 +68,6 @@ Simulation pair(std::vector<TimedMeasurement> samples, unsigned injection_steps,
 
 Fusion& fusion_of(Simulation& sim) { return sim.world().resource<Fusion>(); }
 
-/// A ball whose true flight differs from the model's and is observed every millisecond. The samples
-/// of the times in `late` (ms) arrive late by `lateness` (s).
-Simulation flight(const std::vector<unsigned>& late, double lateness, unsigned lag,
-                  double note_every) {
-    std::vector<TimedMeasurement> samples;
-    for (unsigned k = 1; k <= 10; ++k) {
-        TimedMeasurement m =
-            at(1e-3 * k, Vec3(1e-3, 0, 0) + 1e-3 * k * Vec3(-0.05, 0.1, 0.02 * (k % 3)));
-        m.what.position_deviation = 1e-4;
-        if (std::ranges::count(late, k) > 0) m.arrives += lateness;
-        samples.push_back(m);
-    }
-    std::ranges::stable_sort(samples, {}, &TimedMeasurement::arrives);
-    Simulation sim = pair(
-        std::move(samples), 1,
-        {.position = 2e-3, .velocity = 0.1, .acceleration_density = 1e-3, .gate = 1, .lag = lag},
-        0.06);
-    fusion_of(sim).note_every = note_every;
-    return sim;
-}
-
 std::uint64_t counted(Simulation& sim, auto component) {
     return sim.world().column<Sensors, decltype(component)>()[0];
 }
@@ -400,59 +379,6 @@ TEST_SUITE("fusion/fuse") {
                 .norm() < 1e-6 * left.squaredNorm());
     }
 
-    TEST_CASE("nudging with gain 0 is withheld: a moving ball continues as without it, a nudged "
-              "ball is released, and the covariance includes the remainder") {
-        for (const bool before : {false, true}) {
-            std::vector<TimedMeasurement> samples;
-            if (before) samples.push_back(at(1e-4, Vec3(1e-3, 0, 0)));
-            std::vector<TimedMeasurement> more = samples;
-            more.push_back(at(3e-4, Vec3(-1e-3, 2e-4, 0)));
-            more.back().what.velocity = Vec3(0.3, 0.2, 0.1);
-            more.back().what.velocity_deviation = 1e-6;
-            const FilterSettings settings{
-                .position = 1, .velocity = 1, .acceleration_density = 1e-20, .gate = 1};
-            Simulation sim = pair(more, 1, settings, 0.06),
-                       alone = pair(samples, 1, settings, 0.06);
-            for (Simulation* s : {&sim, &alone}) {
-                value_of<Velocity>(*s, 0) = Vec3(0.1, 0, 0);
-                fusion_of(*s).nudging = {1, 1, 0.01};
-                s->advance(29);
-                fusion_of(*s).budget.gain = 0;
-            }
-            CAPTURE(before);
-            CHECK(value_of<Nudging>(sim, 0).is_active() == before);
-            sim.advance(1);
-            alone.advance(1);
-            CHECK(value_of<Velocity>(sim, 0) == value_of<Velocity>(alone, 0));
-            CHECK(fusion_work(sim.world()) == fusion_work(alone.world()));
-            CHECK_FALSE(value_of<Nudging>(sim, 0).is_active());
-            CHECK(fusion_of(sim).records.back().share == 0);
-            CHECK(fusion_of(sim).budget.withheld == 1);
-            if (!before) {
-                // the filter continues from the simulated motion, with a deviation of the size of
-                // the withheld correction
-                const Matrix covariance = fusion_of(sim).filters[0].covariance();
-                CHECK(std::sqrt(covariance(0, 0)) ==
-                      about(std::abs(-1e-3 - value_of<Position>(sim, 0).x())).epsilon(1e-3));
-                CHECK(std::sqrt(covariance(4, 4)) == about(0.2).epsilon(1e-3));
-                sim.advance(30);
-                alone.advance(30);
-                CHECK(fingerprint(sim.snapshot(), "bodies/") ==
-                      fingerprint(alone.snapshot(), "bodies/"));
-            } else {
-                const Vec3 velocity = value_of<Velocity>(sim, 0);
-                sim.advance(30);
-                CHECK(value_of<Velocity>(sim, 0) == velocity);
-                CHECK(velocity.x() > 0.1);
-                CHECK(value_of<Guided>(sim, 0) == 0);
-                // all energy gained is accumulated, up to the end of the last step with a force
-                CHECK(fusion_work(sim.world()) ==
-                      about(0.5 * value_of<InertialMass>(sim, 0) * (velocity.squaredNorm() - 0.01))
-                          .epsilon(1e-3));
-            }
-        }
-    }
-
     TEST_CASE("a spinning ball is nudged by the measured rotation, which spins with the ball") {
         const Vec3 turn(0.1, 0, 0), angular_velocity(0, 0, 200);
         TimedMeasurement m{3e-4, {}};
@@ -512,10 +438,10 @@ TEST_SUITE("fusion/fuse") {
               1.01 * fusion_work(limited.world()));
     }
 
-    TEST_CASE("a limit that is not reached and stored analyses that are not used change no bit") {
+    TEST_CASE("a limit that is not reached changes no bit") {
         const std::vector<TimedMeasurement> samples{at(3e-4, Vec3(5e-5, 1e-5, 0)),
                                                     at(8e-4, Vec3(4e-5, 2e-5, 0))};
-        Simulation plain = pair(samples, 60), other = pair(samples, 60, {.lag = 5});
+        Simulation plain = pair(samples, 60), other = pair(samples, 60);
         fusion_of(other).largest_shift = 1;
         plain.advance(200);
         other.advance(200);
@@ -524,95 +450,13 @@ TEST_SUITE("fusion/fuse") {
               fingerprint(other.snapshot(), "sensors/"));
     }
 
-    TEST_CASE(
-        "late samples within the lag leave a flying ball where the same samples on time leave it") {
-        Simulation on_time = flight({}, 0, 0, 0);
-        on_time.advance(1200);
-        for (const double note_every : {0.0, 1e-3, 0.7e-3}) {
-            Simulation late = flight({3, 4, 6}, 3.4e-3, 20, note_every),
-                       lost = flight({3, 4, 6}, 1, 20, note_every);
-            // without stored motion the filter can go back to the first sample at most
-            Simulation same = flight({}, 0, 20, note_every);
-            late.advance(1200);
-            lost.advance(1200);
-            same.advance(1200);
-            CAPTURE(note_every);
-            CHECK(counted(late, TooLate{}) == 0);
-            CHECK(counted(late, Accepted{}) == 10);
-            CHECK((value_of<Position>(late, 0) - value_of<Position>(same, 0)).norm() <
-                  1e-13); // relative to 1e-3: sums in another order
-            CHECK((value_of<Velocity>(late, 0) - value_of<Velocity>(same, 0)).norm() < 1e-11);
-            CHECK(
-                (fusion_of(late).filters[0].covariance() - fusion_of(same).filters[0].covariance())
-                    .norm() < 1e-15);
-            CHECK((value_of<Position>(lost, 0) - value_of<Position>(same, 0)).norm() > 1e-6);
-            if (note_every == 0)
-                CHECK(value_of<Position>(same, 0) == value_of<Position>(on_time, 0));
-        }
-    }
-
-    TEST_CASE("a filter that stores its analyses knows that a nudged body was given the velocity "
-              "of the correction but not its position") {
-        std::vector<TimedMeasurement> samples;
-        for (const double time : {1e-4, 2e-4, 3e-4}) {
-            samples.push_back(at(time, Vec3(0.001, 0, 0)));
-            samples.back().what.position_deviation = 1e-3;
-        }
-        samples[0].what.velocity = Vec3(0.1, 0, 0);
-        samples[0].what.velocity_deviation = 1e-6;
-        Simulation sim =
-            pair(samples, 1, {.position = 1, .velocity = 1, .gate = 1, .lag = 5}, 0.06);
-        fusion_of(sim).nudging = {1, 0, 0.01}; // without force
-        sim.advance(60);
-        CHECK(counted(sim, Accepted{}) == 4);
-        CHECK((value_of<Velocity>(sim, 0) - Vec3(0.1, 0, 0)).norm() < 1e-4);
-        CHECK(value_of<Position>(sim, 0).x() == about(5e-5).epsilon(0.05)); // moved since 1e-4 s
-    }
-
-    TEST_CASE("samples later than the lag, or late without a lag, are counted and move nothing") {
-        for (const unsigned lag : {0u, 1u}) {
-            Simulation late = flight({3, 4, 6}, 3.4e-3, lag, 0),
-                       lost = flight({3, 4, 6}, 1, lag, 0);
-            late.advance(1200);
-            lost.advance(1200);
-            CAPTURE(lag);
-            CHECK(counted(late, TooLate{}) == 3);
-            CHECK(counted(late, Accepted{}) == 7);
-            CHECK(counted(lost, TooLate{}) == 0);
-            if (lag == 0)
-                CHECK(fingerprint(late.snapshot(), "bodies/") ==
-                      fingerprint(lost.snapshot(), "bodies/"));
-        }
-    }
-
-    TEST_CASE("a run resumed before late samples arrive has the same bits") {
-        for (const std::uint64_t steps : {350u, 500u, 660u}) {
-            const auto make = [] {
-                Simulation sim = flight({3, 4, 6}, 3.4e-3, 20, 0.7e-3);
-                fusion_of(sim).largest_shift = 3e-4;
-                return sim;
-            };
-            Simulation whole = make(), resumed = make();
-            whole.advance(steps);
-            resumed.restore(whole.snapshot());
-            whole.advance(1200 - steps);
-            resumed.advance(1200 - steps);
-            CAPTURE(steps);
-            CHECK(counted(whole, Reduced{}) > 0);
-            CHECK(counted(whole, TooLate{}) == 0);
-            CHECK(fingerprint(whole.snapshot()) == fingerprint(resumed.snapshot()));
-        }
-    }
-
-    TEST_CASE("each sensor needs a host of its own and samples in the order of arrival") {
+    TEST_CASE("each sensor needs a host of its own and samples in the order of time") {
         World world = make_world(Grains::spheres);
         CHECK_THROWS_WITH_AS(add_sensors(world, {1, 1}, {{}, {}}, {}),
                              doctest::Contains("one for each host"), InputError);
         CHECK_THROWS_WITH_AS(
             add_sensors(world, {1}, {{at(2, Vec3::Zero()), at(1, Vec3::Zero())}}, {}),
-            doctest::Contains("order of arrival"), InputError);
-        CHECK_THROWS_WITH_AS(add_sensors(world, {1}, {{{2, {}, 1}}}, {}),
-                             doctest::Contains("arrive after their time"), InputError);
+            doctest::Contains("order of time"), InputError);
         CHECK_THROWS_WITH_AS(add_sensors(world, {1}, {}, {}), doctest::Contains("found 0"),
                              InputError);
     }

@@ -45,7 +45,7 @@ double mass_of(Simulation& sim) { return value_of<InertialMass>(sim, 0); }
 NudgingRow& nudging_of(Simulation& sim) { return value_of<Nudging>(sim, 0); }
 
 void nudge_to(Simulation& sim, const NudgingTarget& target, const NudgingSettings& settings) {
-    set_nudging(nudging_of(sim), value_of<Guided>(sim, 0), target, settings, 1);
+    set_nudging(nudging_of(sim), value_of<Guided>(sim, 0), target, settings);
 }
 
 /// Nudges from rest to a target at `displacement`; the stored velocity is that of half a step back.
@@ -103,6 +103,8 @@ double error_of_turn(int axis, double dt) {
     }
     return worst;
 }
+
+void release_nudging(NudgingRow& row) { row.stiffness = row.turn_stiffness = 0; }
 
 } // namespace
 
@@ -278,7 +280,7 @@ TEST_SUITE("fusion/nudging") {
             };
             run(1e-3);
             CHECK(touch_of(sim.world()).pairs == 1);
-            hold_nudging(nudging_of(sim));
+            hold_nudging_forces(sim.world());
             run(1e-3);
             release_nudging(nudging_of(sim));
             run(4e-3);
@@ -307,7 +309,7 @@ TEST_SUITE("fusion/nudging") {
         for (const int when : {0, 1, 2}) {
             Simulation whole = make(), resumed = make();
             whole.advance(100);
-            if (when == 1) hold_nudging(nudging_of(whole));
+            if (when == 1) hold_nudging_forces(whole.world());
             if (when == 2) release_nudging(nudging_of(whole));
             resumed.restore(whole.snapshot());
             whole.advance(100);

@@ -28,4 +28,28 @@ TEST_SUITE("fusion/sensor_filter") {
             CHECK(covariance(9 + k, 9 + k) == 0);
         }
     }
+
+    TEST_CASE("after a withheld part of a correction the next correction has the right size") {
+        // the first measurement is almost exact; half of its correction is applied
+        SensorFilter filter({.position = 1,
+                             .velocity = 0,
+                             .attitude = 0,
+                             .angular_velocity = 0,
+                             .acceleration_density = 0,
+                             .angular_acceleration_density = 0,
+                             .gate = 0.99});
+        Measured m;
+        m.position = Vec3(1e-2, 0, 0);
+        m.position_deviation = 1e-5;
+        const Analysis a = filter.update({0, {}}, m);
+        const Vec3 left = 0.5 * a.shift;
+        const double known = 1 / (1 + 1e10); // harmonic sum of 1 and 1e-10
+        filter.withhold({.shift = left});
+        CHECK(filter.covariance()(0, 0) == about(known + left.x() * left.x()).epsilon(1e-12));
+        CHECK(filter.covariance()(1, 1) == about(known).epsilon(1e-9));
+        const Analysis next = filter.update({0, {.position = left}}, m);
+        CHECK(next.refused == 0);
+        const double variance = known + left.x() * left.x();
+        CHECK(next.shift.x() == about(left.x() * variance / (variance + 1e-10)).epsilon(1e-9));
+    }
 }
