@@ -14,7 +14,7 @@ namespace bris {
 
 /// How far the preparation of a live model is, and the time until it is ready: the time that its
 /// finished parts have taken is put in relation to their shares of a whole preparation, as measured
-/// once (tests/performance/results/monitoring.md). So the estimate follows the speed of the
+/// once (tests/performance/results/forecast.md). So the estimate follows the speed of the
 /// computer, but a specimen that behaves differently makes it wrong. Any thread may call any
 /// member.
 class PreparationTime {

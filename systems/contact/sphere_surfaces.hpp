@@ -10,7 +10,7 @@ namespace bris::detail {
 /// Geometry of two spheres, whether they are bodies themselves or belong to clumps (collide_chunk).
 /// Both kernels load and subtract rows by code of their own: with functions that they share g++ 12
 /// keeps fewer numbers in registers, and contacts take 1.6 times as long
-/// (tests/performance/results/speed.md).
+/// (tests/performance/results/step.md).
 struct SphereSurfaces {
     Movers movers;
     double deepest; // largest overlap accepted, over the mean radius
