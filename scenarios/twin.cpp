@@ -17,9 +17,8 @@ void check_options(const TwinSettings& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one pressure, found several");
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
-    require(
-        t.record.empty() || !faulty,
-        "--record: expected no --dropout or --outliers, which are not recorded");
+    require(t.record.empty() || !faulty,
+            "--record: expected no --dropout or --outliers, which are not recorded");
     require(t.sensors.mode != "inertial" || !faulty,
             "--sensor-mode inertial: expected no --dropout or --outliers, which apply to tracked "
             "sensors only");
@@ -58,7 +57,8 @@ std::string explain(const TwinSettings& t, const Common& common) {
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::TwinSettings>(
         argc, argv,
-        {"twin", "Twin experiment: records a simulated triaxial test and models it without and with "
-                 "the recordings."},
+        {"twin",
+         "Twin experiment: records a simulated triaxial test and models it without and with "
+         "the recordings."},
         bris::check_options, bris::run, bris::explain);
 }

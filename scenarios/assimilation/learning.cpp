@@ -142,8 +142,8 @@ std::vector<Observation> observations_in(const MemberSubset& members, const Meas
         const SensorTrajectory& trajectory = measured.trajectories[s];
         if (trajectory.strain.empty() || !stands_off_axis(like, s)) continue;
         ++expected;
-        const auto after = std::upper_bound(trajectory.strain.begin(), trajectory.strain.end(),
-                                            to + 1e-9);
+        const auto after =
+            std::upper_bound(trajectory.strain.begin(), trajectory.strain.end(), to + 1e-9);
         for (auto k = after - trajectory.strain.begin() - 1; k >= 0; --k) {
             const auto sample = static_cast<std::size_t>(k);
             if (trajectory.strain[sample] <= from + 1e-9) break;

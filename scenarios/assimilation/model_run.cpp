@@ -8,8 +8,8 @@
 namespace bris {
 
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings,
-                   const Archive& specimen, const ModelVariant& variant,
-                   const ModelWatch& watch, CheckpointedRun* checkpoint) {
+                   const Archive& specimen, const ModelVariant& variant, const ModelWatch& watch,
+                   CheckpointedRun* checkpoint) {
     VariantRun run(scene, settings, specimen, variant, watch, checkpoint);
     run.advance_to(std::numeric_limits<std::size_t>::max());
     return std::move(run).take();

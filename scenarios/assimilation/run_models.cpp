@@ -36,8 +36,8 @@ std::vector<ModelRun> try_from(const std::vector<Start>& starts, const TriaxialS
         const auto& [scene, specimen] = starts[k];
         CheckpointedRun checkpoint(common, test, specimen, variants[k]);
         try {
-            runs[k] = run_model(scene, test, specimen, variants[k],
-                                watch_on(progress, k), &checkpoint);
+            runs[k] =
+                run_model(scene, test, specimen, variants[k], watch_on(progress, k), &checkpoint);
         } catch (const SimulationError& error) {
             runs[k].stopped = stopped_by(error, variants[k]);
         }

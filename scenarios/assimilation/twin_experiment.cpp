@@ -63,8 +63,8 @@ std::vector<ModelRun> TwinExperiment::run_all(const std::vector<ModelVariant>& v
     return run_models(specimens, test_, variants, strain, common_, progress_);
 }
 
-/// Learns friction and stiffness from the test machine and the sensors, by ensemble members that run
-/// to the end of the test.
+/// Learns friction and stiffness from the test machine and the sensors, by ensemble members that
+/// run to the end of the test.
 Assimilated TwinExperiment::assimilate() {
     const auto began = this_instant();
     MeasuredTest measured = measured_test(this->measured());
@@ -72,13 +72,12 @@ Assimilated TwinExperiment::assimilate() {
     measured.displacement_noise = observations_->position_noise;
     const Gaussian prior = prior_of(t_.model, learning_);
     const PreparedSpecimen& specimen = specimen_of("analysis");
-    Assimilated assimilated{
-        .learned = learn_in_two_generations(
-            prior, measured, learning_, test_.final_axial_strain,
-            [&](const std::vector<ModelVariant>& variants, double strain) {
-                return try_models(specimen.scene, test_, specimen.state, variants, strain, common_,
-                                  progress_);
-            })};
+    Assimilated assimilated{.learned = learn_in_two_generations(
+                                prior, measured, learning_, test_.final_axial_strain,
+                                [&](const std::vector<ModelVariant>& variants, double strain) {
+                                    return try_models(specimen.scene, test_, specimen.state,
+                                                      variants, strain, common_, progress_);
+                                })};
     if (learning_.by_sensors)
         assimilated.outliers = outlying_displacements(assimilated.learned.second, measured);
     assimilated.forecast = ensemble_forecast(assimilated.learned, prior);
@@ -138,7 +137,8 @@ void TwinExperiment::run() {
     auto runs = run_all(to_run, test_.final_axial_strain);
     auto next = runs.begin();
     for (const ModelVariant& variant : variants_)
-        runs_.push_back(is_computed(variant.name) ? compute_analysis_of(variant) : std::move(*next++));
+        runs_.push_back(is_computed(variant.name) ? compute_analysis_of(variant)
+                                                  : std::move(*next++));
 }
 
 } // namespace bris

@@ -114,8 +114,7 @@ void TwinExperiment::add_learned(Summary& summary, const Assimilated& assimilate
           std::pair{"rotations", &assimilated.scatter.rotation}}) {
         if (scatter->correlation.length <= 0) continue;
         summary.add(fmt::format("correlation_of_{}", what), scatter->correlation.near);
-        summary.add(fmt::format("correlation_of_{}_length_m", what),
-                    scatter->correlation.length);
+        summary.add(fmt::format("correlation_of_{}_length_m", what), scatter->correlation.length);
     }
     write_estimates(common_.out / "learned.csv", estimates);
     write_members(common_.out / "members.csv", assimilated.learned.second);

@@ -39,8 +39,8 @@ void record_stage(TriaxialModel& model, ModelRun& run) {
 } // namespace
 
 VariantRun::VariantRun(const TriaxialScene& scene, const TriaxialSettings& settings,
-                       const Archive& specimen, ModelVariant variant,
-                       ModelWatch watch, CheckpointedRun* checkpoint)
+                       const Archive& specimen, ModelVariant variant, ModelWatch watch,
+                       CheckpointedRun* checkpoint)
     : scene_(scene), settings_(settings), specimen_(specimen), variant_(std::move(variant)),
       watch_(std::move(watch)), checkpoint_(checkpoint) {
     if (!resume())
@@ -114,8 +114,7 @@ void VariantRun::stage() {
         return;
     const RockParameters parameters = variant_.learned[applied_++].rocks;
     run_.steps += world.resource<Clock>().step;
-    model_ =
-        std::make_unique<TriaxialModel>(scene_, settings_, specimen_, parameters);
+    model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, parameters);
 }
 
 void VariantRun::end() {

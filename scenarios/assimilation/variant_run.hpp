@@ -17,8 +17,8 @@ class VariantRun {
 public:
     /// Resumes from its checkpoint if there is one; runs no step yet.
     VariantRun(const TriaxialScene& scene, const TriaxialSettings& settings,
-               const Archive& specimen, ModelVariant variant,
-               ModelWatch watch = {}, CheckpointedRun* checkpoint = nullptr);
+               const Archive& specimen, ModelVariant variant, ModelWatch watch = {},
+               CheckpointedRun* checkpoint = nullptr);
 
     /// Advances until the run has so many points, or to the end of the test; a resumed run may have
     /// more already. Throws SimulationError, and Interrupted after saving a checkpoint.

@@ -193,11 +193,10 @@ void add_fault(StressRows& rows, std::uint64_t seed, const Fault& fault,
     const bool same = mechanics(with) == mechanics(without), finite = all_finite(with),
                assimilated = counted<Accepted>(without) > hosts.size() * good_ones;
     const double work = fusion_work(with.world()), energy = energy_of(seed);
-    const auto found =
-        fmt::format("{}, {} refused, {} withheld, work {:.1e} J of {:.1e} J, {}",
-                    finite ? "finite" : "not finite",
-                    counted<Refused>(with) - counted<Refused>(without),
-                    counted<Withheld>(with), work, energy, same ? "the same bits" : "other bits");
+    const auto found = fmt::format(
+        "{}, {} refused, {} withheld, work {:.1e} J of {:.1e} J, {}",
+        finite ? "finite" : "not finite", counted<Refused>(with) - counted<Refused>(without),
+        counted<Withheld>(with), work, energy, same ? "the same bits" : "other bits");
     rows.push_back(
         {"S11", fmt::format("sensors in a bed: {}", fault.what),
          fault.is_found

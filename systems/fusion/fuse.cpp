@@ -229,8 +229,7 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         const Analysis pending = pending_of(correction);
         Analysis to_come = pending;
         SensorFilter& filter = fusion.filters[s];
-        const bool taken =
-                       assimilate_samples(filter, samples, next, now, to_come, fusion, clock),
+        const bool taken = assimilate_samples(filter, samples, next, now, to_come, fusion, clock),
                    assimilated = to_come.accepted > 0;
         sensors.column<Accepted>()[s] += to_come.accepted;
         sensors.column<Refused>()[s] += to_come.refused;

@@ -59,8 +59,8 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts,
                  std::vector<std::vector<TimedMeasurement>> samples, const FilterSettings& settings,
                  unsigned injection_steps = 1);
 
-using FusedSensors = Rows<Sensors, const SensorHost, NextSample, Accepted, Refused,
-                          Reduced, Withheld, LargestInnovation>;
+using FusedSensors = Rows<Sensors, const SensorHost, NextSample, Accepted, Refused, Reduced,
+                          Withheld, LargestInnovation>;
 template <class... Shape>
 using FusedBodies =
     Rows<Bodies, const BodyId, const Position, const BoundingRadius, const Acceleration,

@@ -45,7 +45,8 @@ Process::Process(const std::vector<std::string>& words, const std::function<bool
     if (id_ != 0) { // until the program has begun, a signal would meet a copy of the tests
         close(begun[1]);
         char none = 0;
-        while (read(begun[0], &none, 1) < 0 && errno == EINTR) {}
+        while (read(begun[0], &none, 1) < 0 && errno == EINTR) {
+        }
         close(begun[0]);
         return;
     }

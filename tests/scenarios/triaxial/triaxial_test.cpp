@@ -299,14 +299,15 @@ TEST_SUITE("triaxial/triaxial") {
             variant.corrections.nudging = {nudged ? 5e6 : 0, 100, 0.01};
             const ModelRun r = run(variant);
             CAPTURE(nudged);
-            MESSAGE("work of corrections: ", r.fusion_work / r.boundary_work, " of the boundaries' work");
+            MESSAGE("work of corrections: ", r.fusion_work / r.boundary_work,
+                    " of the boundaries' work");
             CHECK(std::abs(r.fusion_work) > 0.02 * r.boundary_work);
             const TriaxialPoint &first = r.points.front(), &last = r.points.back();
             const double checkpoint = last.stored + last.kinetic - first.stored - first.kinetic,
                          lost = last.friction_work + last.damping_work - first.friction_work -
                                 first.damping_work;
-            const double work = last.boundary_work + last.scaling_work - first.boundary_work -
-                                first.scaling_work;
+            const double work =
+                last.boundary_work + last.scaling_work - first.boundary_work - first.scaling_work;
             CHECK(std::abs(work + r.fusion_work - checkpoint - lost) <
                   5e-4 * work); // 1e-4 without corrections
         }
@@ -387,8 +388,7 @@ TEST_SUITE("triaxial/triaxial") {
                 --block; // it is not in the checkpoint
             }
             CheckpointedRun checkpoint(common, short_test(), specimen, variant);
-            save_run(gone_on,
-                     run_model(scene, short_test(), specimen, variant, {}, &checkpoint));
+            save_run(gone_on, run_model(scene, short_test(), specimen, variant, {}, &checkpoint));
             for (const auto& array : whole.arrays()) {
                 CAPTURE(array.path);
                 if (array.path != "run/numbers") // these include a wall time

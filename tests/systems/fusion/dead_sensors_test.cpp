@@ -150,8 +150,7 @@ TEST_SUITE("fusion/dead_sensors") {
     TEST_CASE("if all samples after some time are rejected, clumps move as if the recordings had "
               "ended there, to the last bit") {
         const Recorded recorded = record();
-        const std::array methods{Method{},
-                                 Method{.injection_steps = 1},
+        const std::array methods{Method{}, Method{.injection_steps = 1},
                                  Method{.nudging = {50, 0.02, 0.005}},
                                  Method{.largest_shift = 2e-7}};
         for (std::size_t k = 0; k < methods.size(); ++k) {
@@ -175,8 +174,7 @@ TEST_SUITE("fusion/dead_sensors") {
         const Recorded recorded = record();
         Simulation alone = start(tumbling(bed())), dead = with_sensors(up_to(recorded, 0, true)),
                    assimilated = with_sensors(up_to(recorded, good_ones, false));
-        for (Simulation* sim : {&alone, &dead, &assimilated})
-            sim->advance(all_steps);
+        for (Simulation* sim : {&alone, &dead, &assimilated}) sim->advance(all_steps);
         CHECK(mechanics(dead, true) == mechanics(alone, true));
         CHECK(mechanics(assimilated, true) != mechanics(alone, true));
         CHECK(counted<Accepted>(dead) == 0);
