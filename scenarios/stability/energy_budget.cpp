@@ -208,7 +208,7 @@ void add_bed(StressRows& rows, std::size_t which, Grains grains, bool shear_dash
     std::array<double, 3> closure{};
     double share = 0.4;
     for (double& c : closure) {
-        const std::uint64_t draws = s.full ? 4 : 2;
+        const std::uint64_t draws = s.full ? 12 : 2;
         for (std::uint64_t k = 0; k < draws; ++k)
             c += bed_closure(laws[which], grains, shear_dashpot, share, s.seed + k) /
                  static_cast<double>(draws);

@@ -61,9 +61,7 @@ TEST_SUITE("slow") {
         // two axles of a bogie press a tie with about 0.4 axle loads
         for (const auto& [passage, load] : {std::pair{under_light, 40e3}, {under_heavy, 120e3}})
             CHECK(passage.tie.compliance * load == about(passage.tie.deflection).epsilon(0.5));
-        // the same train once more moves less: most of the settlement is that of the first passage
-        const PassageRecord again =
-            run(folder / "again", {light, light, heavy, heavy}, folder / "apart" / "slice.ckpt.h5");
-        CHECK(again.passages[3].tie.settlement < under_heavy.tie.settlement);
+        // most of the settlement is that of the first passage over a new bed
+        CHECK(under_light.tie.settlement < 0.5 * whole.passages[0].tie.settlement);
     }
 }
