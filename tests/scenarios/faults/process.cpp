@@ -42,12 +42,9 @@ Process::Process(const std::vector<std::string>& words, const std::function<bool
     int begun[2];
     if (pipe(begun) != 0) throw std::runtime_error("no pipe");
     id_ = fork();
-    if (id_ != 0) { // until the program has begun, a signal would meet a copy of the tests
+    if (id_ != 0) {
         close(begun[1]);
-        char none = 0;
-        while (read(begun[0], &none, 1) < 0 && errno == EINTR) {
-        }
-        close(begun[0]);
+        begun_ = begun[0];
         return;
     }
     redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
@@ -60,12 +57,18 @@ Process::Process(const std::vector<std::string>& words, const std::function<bool
 }
 
 Process::~Process() {
+    close(begun_);
     if (ended_) return;
     kill(id_, SIGKILL);
     waitpid(id_, nullptr, 0);
 }
 
-void Process::send(int signal) const { kill(id_, signal); }
+void Process::send(int signal) const {
+    char none = 0; // the other end is closed when the program begins, or does not
+    while (read(begun_, &none, 1) < 0 && errno == EINTR) {
+    }
+    kill(id_, signal);
+}
 
 Outcome Process::wait(double seconds) {
     int status = 0;

@@ -30,6 +30,7 @@ public:
     ~Process(); ///< kills it if it still runs
 
     pid_t id() const { return id_; }
+    /// Waits for the program to begin: before, a signal would meet a copy of the tests.
     void send(int signal) const;
     /// Waits until the end, at most `seconds`; then the process is killed.
     Outcome wait(double seconds);
@@ -41,6 +42,7 @@ public:
 private:
     TemporaryDirectory folder_; // of the output
     pid_t id_ = 0;
+    int begun_ = -1; // of a pipe that is closed when the program begins
     double began_ = 0;
     bool ended_ = false;
 };
