@@ -473,6 +473,10 @@ BrokerClient::BrokerClient(const BrokerSettings& settings, const std::string& na
            !interrupted())
         c.came.wait_for(lock, glance);
     if (c.was_connected) return;
+    if (interrupted() && !c.has_failed) {
+        c.closing = true;
+        throw Interrupted("interrupted while the broker was asked for an answer");
+    }
     const bool silent = !c.has_failed;
     if (silent)
         c.problem = c.described(

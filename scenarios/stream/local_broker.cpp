@@ -79,6 +79,7 @@ LocalBroker::LocalBroker(const LocalBrokerSettings& s) : host_(s.host) {
                !interrupted())
             std::this_thread::sleep_for(glance);
         if (program_->runs() && answers(port_)) return;
+        if (interrupted()) throw Interrupted("interrupted before the broker listened");
     }
     throw OutputError(
         fmt::format("broker: mosquitto does not listen on port {} of {}", page_port_, s.host));
