@@ -473,16 +473,13 @@ BrokerClient::BrokerClient(const BrokerSettings& settings, const std::string& na
            !interrupted())
         c.came.wait_for(lock, glance);
     if (c.was_connected) return;
-    if (interrupted() && !c.has_failed) {
-        c.closing = true;
-        throw Interrupted("interrupted while the broker was asked for an answer");
-    }
-    const bool silent = !c.has_failed;
+    const bool silent = !c.has_failed, asked_to_stop = silent && interrupted();
     if (silent)
         c.problem = c.described(
             fmt::format("expected an answer, found none within {:g} s", settings.timeout));
-    if (silent && start == Start::any) return;
+    if (silent && !asked_to_stop && start == Start::any) return;
     c.closing = true;
+    if (asked_to_stop) throw Interrupted("interrupted while the broker was asked for an answer");
     throw OutputError(c.problem);
 }
 

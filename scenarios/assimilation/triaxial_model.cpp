@@ -86,10 +86,6 @@ TriaxialModel::TriaxialModel(const TriaxialScene& scene, const TriaxialSettings&
     rocks_ = parts.smart_rocks;
     sensors_ = rocks_.size();
     rocks_.insert(rocks_.end(), parts.rocks.begin(), parts.rocks.end());
-    set_parameters(scene, parameters);
-}
-
-void TriaxialModel::set_parameters(const TriaxialScene& scene, const RockParameters& parameters) {
     set_rocks(world(), parameters.friction, scene.specimen.clump_stiffness * parameters.stiffness);
 }
 

@@ -17,7 +17,6 @@ public:
     TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
                   const Archive& specimen, const RockParameters& parameters);
 
-    void set_parameters(const TriaxialScene& scene, const RockParameters& parameters);
     /// Runs one block of steps of the test; returns false when the test is done.
     bool advance(const ModelVariant& variant);
 

@@ -1,6 +1,5 @@
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
-#include "engine/signal/attitude.hpp"
 #include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/layouts.hpp"
 #include "scenarios/assimilation/learning_results.hpp"

@@ -73,7 +73,6 @@ bool VariantRun::resume() {
     if (done_) return true;
     const RockParameters now = applied_ > 0 ? variant_.learned[applied_ - 1].rocks : variant_.rocks;
     model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, now);
-    model_->set_parameters(scene_, now);
     model_->load(variant_, *before);
     return true;
 }

@@ -116,10 +116,10 @@ PassageStream::Open& PassageStream::open_segment(Sensor& sensor, std::size_t seg
 bool PassageStream::is_too_late(const Sensor& sensor, const Open& open,
                                 const GatedRecord& record) const {
     if (final_.empty() || record.t >= open.newest - reordered) return false;
-    const Gate::Offset o = gate_.offset(sensor.info.id, record.segment, record.t);
-    return o.basis != TimeBasis::unknown && was_final(record.t + o.seconds);
+    return was_final(gate_.common_time(sensor.info.id, record.segment, record.t));
 }
 
+/// Whether the verdict on a common time is final; not on one that is unknown (NaN).
 bool PassageStream::was_final(double common) const {
     const auto after = std::ranges::upper_bound(final_, common, {}, &Interval::begin);
     return after != final_.begin() && common <= std::prev(after)->end;
@@ -250,8 +250,7 @@ std::vector<PassageStream::Group> PassageStream::groups() {
 double PassageStream::looked_through(const Sensor& sensor) const {
     if (sensor.open.empty()) return nan;
     const auto& [segment, open] = *sensor.open.rbegin();
-    const Gate::Offset o = gate_.offset(sensor.info.id, segment, open.latest);
-    return o.basis == TimeBasis::unknown ? nan : open.done + o.seconds;
+    return gate_.common_time(sensor.info.id, segment, open.done);
 }
 
 /// Whether every sensor has recorded the whole time of a passage.

@@ -217,12 +217,14 @@ Gate::Offset Gate::offset(unsigned id, std::size_t number, double t) const {
     return {};
 }
 
+double Gate::common_time(unsigned id, std::size_t segment, double t) const {
+    const Offset o = offset(id, segment, t);
+    return o.basis == TimeBasis::unknown ? nan : t + o.seconds;
+}
+
 double Gate::reached(unsigned id) const {
-    const Source& source = sources_.at(id);
-    const SensorClock::Segment* s = source.clock.current();
-    if (s == nullptr) return nan;
-    const Offset o = offset(id, s->number, s->last);
-    return o.basis == TimeBasis::unknown ? nan : s->last + o.seconds;
+    const SensorClock::Segment* s = sources_.at(id).clock.current();
+    return s == nullptr ? nan : common_time(id, s->number, s->last);
 }
 
 double Gate::coverage(unsigned id, double from, double to) const {

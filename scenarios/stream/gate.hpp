@@ -73,6 +73,8 @@ public:
     };
     /// The offset of a segment's times near `t` (unwrapped own time).
     Offset offset(unsigned id, std::size_t segment, double t) const;
+    /// Common time of an unwrapped own time of a segment; NaN: unknown.
+    double common_time(unsigned id, std::size_t segment, double t) const;
     /// Common time that a source has reached; NaN: unknown, or nothing was received.
     double reached(unsigned id) const;
     /// Share of an interval of common time in which a source recorded.

@@ -17,6 +17,10 @@ namespace bris {
 
 namespace {
 
+/// Smallest fraction to which a correction is reduced. One that would have to be reduced further
+/// has no meaning for this model and is withheld.
+constexpr double least_share = 0.01;
+
 double end_of_step(const Clock& clock) { return clock.time() + clock.dt; }
 double now_of(const Fusion& fusion, const Clock& clock) {
     return fusion.by_strain ? fusion.strain : end_of_step(clock);
@@ -235,11 +239,12 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         sensors.column<Refused>()[s] += to_come.refused;
         double& largest = sensors.column<LargestInnovation>()[s];
         largest = std::max(largest, to_come.largest_distance);
-        // refused samples move nothing and do not prolong a pending correction
         const double work = bodies.template column<FusionWork>()[b];
-        if (taken && !assimilated)
-            fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0, work));
-        if (!assimilated) continue;
+        if (!assimilated) { // refused samples move nothing and do not prolong a pending correction
+            if (taken)
+                fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0, work));
+            continue;
+        }
         const bool nudged = fusion.nudging.stiffness > 0;
         const double share =
             nudged ? 1

@@ -19,10 +19,6 @@ struct TimedMeasurement {
     bool again = false; ///< repeats an earlier sample (set by add_sensors): no new information
 };
 
-/// Smallest fraction to which a correction is reduced. One that would have to be reduced further
-/// has no meaning for this model and is withheld.
-inline constexpr double least_share = 0.01;
-
 /// The recordings of a scene's sensors, by sensor row, each in the order of time.
 struct Replay {
     static constexpr auto name = "replay";
@@ -71,8 +67,8 @@ using FusedBodies =
 bool fusion_is_due(const World& world);
 
 /// For a staged test, between steps. If the gate accepts none of the samples that have arrived,
-/// counts them without a step, moves nothing and returns true. Otherwise
-/// returns false, and the next step assimilates all samples.
+/// counts them without a step, moves nothing and returns true. Otherwise returns false, and the
+/// next step assimilates all samples.
 bool dismiss_samples(World& world);
 
 /// Corrects the bodies of sensors by the samples that have arrived, each at its own time: velocity
