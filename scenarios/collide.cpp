@@ -1,14 +1,14 @@
 // A ball with a sensor collides with others, and a model assimilates its recording. This is the
 // analytic check of sensor fusion, after Liu, Huang, Qiu and Shen (2018), J. Comput. Civ. Eng. 32:
 // two balls in a head-on collision, two in an oblique collision, and many balls.
-#include "scenarios/verification/collide.hpp"
+#include "scenarios/collision/collide.hpp"
 
 #include "engine/choice.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "scenarios/verification/names.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "systems/fusion/sensor_filter.hpp"
 
 namespace {
@@ -23,13 +23,23 @@ Material glass() {
     m.poisson_ratio = 0.25;
     m.normal_stiffness = 1e6;
     m.shear_stiffness = 8e5;
+    m.friction = 0;
+    m.restitution = 0.9;
     return m;
+}
+
+/// The laws whose coefficients materials alone state: a pair of balls has none of its own.
+std::vector<std::string> laws_of_materials() {
+    auto names = law_names();
+    std::erase_if(names, [](const std::string& name) {
+        return !traits(named<LawName>(law_names(), name)).of_pairs.empty();
+    });
+    return names;
 }
 
 struct CollideSettings {
     Collide collide;
-    MaterialOptions material{glass()};
-    double friction = 0, restitution = 0.9;
+    Material material = glass();
     std::string law = "hertz_mindlin_viscous", filter = "corrected";
 
     void describe(auto& option) {
@@ -45,12 +55,23 @@ struct CollideSettings {
         option("gap", collide.gap, "m", "Distance that the first ball flies before the collision.",
                above(0, 1e3));
         option("after", collide.after, "s", "Simulated time after the first touch.", above(0, 1e3));
-        option("friction", friction, "", "Coulomb friction coefficient between balls.",
+        option("friction", material.friction, "", "Coulomb friction coefficient between balls.",
                within(0, 100));
-        option("restitution", restitution, "", "Coefficient of restitution between balls.",
+        option("restitution", material.restitution, "", "Coefficient of restitution between balls.",
                within(0, 1));
-        option("law", law, "", "Contact law.", law_choices());
-        material.describe(option, "", "of the balls");
+        option("law", law, "", "Contact law.", laws_of_materials());
+        constexpr double rigid = 1e30; // N/m or Pa: no softer than a rigid wall
+        option("density", material.density, "kg/m3", "Density of the balls.", above(0, 1e6));
+        option("young_modulus", material.young_modulus, "Pa",
+               "Young's modulus of the balls for Hertz laws.", above(0, rigid));
+        option("poisson_ratio", material.poisson_ratio, "",
+               "Poisson's ratio of the balls for Hertz laws.", above(-1, 0.5));
+        option("normal_stiffness", material.normal_stiffness, "N/m",
+               "Normal stiffness of the balls for linear laws, in series with the partner's.",
+               above(0, rigid));
+        option("shear_stiffness", material.shear_stiffness, "N/m",
+               "Tangential stiffness of the balls for linear laws, in series with the partner's.",
+               within(0, rigid));
         option.group("Model");
         option("model_speed", collide.model_speed, "",
                "Speed of the model's first ball, relative to the true speed.", above(0, 1e3));
@@ -102,10 +123,8 @@ struct CollideSettings {
 
 Collide completed(const CollideSettings& settings, const Common& common) {
     Collide s = settings.collide;
-    s.law = law_named(settings.law);
-    s.material = settings.material.material;
-    s.material.friction = settings.friction;
-    s.material.restitution = settings.restitution;
+    s.law = named<LawName>(law_names(), settings.law);
+    s.material = settings.material;
     s.filter.kind = named<FilterKind>(filter_names, settings.filter);
     s.seed = common.seed;
     return s;
@@ -141,8 +160,17 @@ void run(const CollideSettings& settings, const Common& common) {
     report_results(common, t);
 }
 
-std::string explain(const CollideSettings& settings, const Common&) {
-    return explain_step(law_named(settings.law), Grains::spheres);
+/// A step of two balls on a plane.
+std::string explain(const CollideSettings& settings, const Common& common) {
+    const Collide s = completed(settings, common);
+    World world = make_world(Grains::spheres);
+    const auto material = world.resource<Materials>().add(s.material);
+    add_floor(world, material);
+    for (const double x : {0.0, 2 * s.radius})
+        add_sphere(world, Vec3(x, 0, s.radius), s.radius, material);
+    return begin(std::move(world), {.dt = 1e-5, .law = s.law, .unlimited = true})
+        .schedule()
+        .explain();
 }
 
 } // namespace

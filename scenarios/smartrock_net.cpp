@@ -14,7 +14,8 @@ namespace bris {
 
 namespace {
 
-void describe_link(auto& option, const std::string& name, const std::string& which, LinkRow& link) {
+void describe_link(auto& option, const std::string& name, const std::string& which,
+                   LinkProperties& link) {
     option(name + "_bandwidth", link.bandwidth, "bit/s",
            "Bandwidth of the link from " + which + ".", within(1, 1e12));
     option(name + "_latency", link.latency, "s", "Delay of a packet on that link.",
@@ -50,7 +51,7 @@ struct Network {
         option("changes", changes, "",
                "CSV file of settings that change after installation: t_s, rock (0: all), and any "
                "of strategy, sampling_rate_Hz, warning_threshold_m_per_s2 and others.");
-        RockSettingsRow& r = settings.rock;
+        RockSettings& r = settings.rock;
         option.group("Rocks");
         option("sampling_rate", r.sampling_rate, "Hz", "Sampling rate, which divides 400 Hz.",
                within(1, Truth::base_rate));
@@ -137,7 +138,6 @@ void add(Summary& summary, const StrategyResult& r) {
     put("false_warnings", r.false_warnings);
     put("host_charge_J", r.host_least_charge);
     put("settings_changed", r.changes.size());
-    put("fingerprint", r.fingerprint);
 }
 
 void draw(const std::filesystem::path& png, const std::vector<StrategyResult>& results) {
@@ -212,7 +212,7 @@ void run(const Network& given, const Common& common) {
     std::vector<StrategyResult> results(strategies.size());
     run_ensemble(strategies.size(), common.threads, [&](std::size_t k) {
         NetworkSettings settings = n.settings;
-        settings.rock.strategy = static_cast<double>(strategies[k]);
+        settings.rock.strategy = strategies[k];
         NetworkSimulation simulation(settings, truth, common.seed);
         simulation.run();
         results[k] = result_of(simulation, settings, truth);

@@ -12,9 +12,9 @@
 #include <exception>
 #include <fcntl.h>
 #include <fstream>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
@@ -32,39 +32,17 @@ namespace bris {
 
 namespace {
 
-constexpr int failed = 1, out_of_memory = 2, waits = 3; // exit codes of the child
-constexpr std::size_t pipe_size = 1 << 16;              // bytes
-constexpr int longest_wait = 120; // s, for files on a system that does not answer
-constexpr int looks_each_second = 4;
-constexpr int longest_pause = 4; // looks without processor time, of a child that can be replaced
+constexpr int failed = 1, out_of_memory = 2; // exit codes of the child
+constexpr std::size_t pipe_size = 1 << 16;   // bytes
+constexpr int longest_wait = 120;            // s, for files on a system that does not answer
 constexpr unsigned most_children = 3;
 
-// State of the child for the signal of its clock.
-volatile std::sig_atomic_t can_be_replaced = 0, looks = 0, looks_paused = 0;
-
-void look_at_clock(int) {
-    static double last = 0; // s
+/// Processor time of a process, s.
+double processor_time(pid_t process) {
+    clockid_t clock{};
     timespec used{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-    const double now = static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
-    looks = looks + 1;
-    looks_paused = now - last < 0.002 ? looks_paused + 1 : 0;
-    last = now;
-    if (can_be_replaced && looks_paused >= longest_pause) _exit(waits);
-    if (looks < longest_wait * looks_each_second) return;
-    std::signal(SIGALRM, SIG_DFL);
-    std::raise(SIGALRM);
-}
-
-void start_clock(bool replaceable) {
-    can_be_replaced = replaceable;
-    struct sigaction action {};
-    action.sa_handler = look_at_clock;
-    action.sa_flags = SA_RESTART;
-    sigaction(SIGALRM, &action, nullptr);
-    const timeval pause{0, 1'000'000 / looks_each_second};
-    const itimerval clock{pause, pause};
-    setitimer(ITIMER_REAL, &clock, nullptr);
+    if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &used) != 0) return 0;
+    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
 #ifdef BRIS_SANITIZED
@@ -89,7 +67,7 @@ void limit_memory_of_child(std::uint64_t bytes) {
 }
 #endif
 
-void restrict_child(const LimitedChild::Limits& limits, bool replaceable) {
+void restrict_child(const LimitedChild::Limits& limits) {
     // the parent hears requests to stop, and ends its children
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) std::signal(signal, SIG_IGN);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -103,7 +81,6 @@ void restrict_child(const LimitedChild::Limits& limits, bool replaceable) {
     for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU})
         std::signal(signal, SIG_DFL);
     std::signal(SIGPIPE, SIG_IGN);
-    start_clock(replaceable);
     limit_memory_of_child(limits.bytes);
 }
 
@@ -121,7 +98,6 @@ void LimitedChild::Pipe::write(const void* data, std::size_t size) {
 }
 
 void LimitedChild::Pipe::flush() {
-    if (!waiting_.empty()) can_be_replaced = 0;
     for (std::size_t done = 0; done < waiting_.size();) {
         const ssize_t written =
             ::write(descriptor_, waiting_.data() + done, waiting_.size() - done);
@@ -155,7 +131,7 @@ void LimitedChild::start() {
         return;
     }
     close(ends[0]);
-    restrict_child(limits_, started_ < most_children);
+    restrict_child(limits_);
     try {
         Pipe to_parent(ends[1]);
         work_(to_parent);
@@ -168,10 +144,14 @@ void LimitedChild::start() {
 
 LimitedChild::~LimitedChild() {
     if (pipe_ >= 0) close(pipe_);
-    if (id_ < 0) return;
+    if (id_ >= 0) end();
+}
+
+void LimitedChild::end() {
     kill(id_, SIGKILL);
     while (waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
     }
+    id_ = -1;
 }
 
 void LimitedChild::read(void* data, std::size_t size) {
@@ -186,19 +166,36 @@ void LimitedChild::read(void* data, std::size_t size) {
     }
 }
 
+/// Waits until the child has sent something or has ended.
+void LimitedChild::wait() {
+    double used = 0;
+    for (int seconds = 0; seconds < longest_wait;) {
+        pollfd from_child{pipe_, POLLIN, 0};
+        const int found = poll(&from_child, 1, 1000);
+        if (found > 0) return;
+        if (found < 0) continue; // a signal
+        ++seconds;
+        const double before = std::exchange(used, processor_time(id_));
+        if (used - before > 1e-3 || has_sent_ || started_ == most_children) continue;
+        end();
+        close(std::exchange(pipe_, -1));
+        start();
+        used = 0;
+    }
+    end();
+    throw OutputError(fmt::format("it takes more than {} s", longest_wait));
+}
+
 void LimitedChild::receive() {
+    wait();
     received_.resize(pipe_size);
     ssize_t found = -1;
     do found = ::read(pipe_, received_.data(), received_.size());
     while (found < 0 && errno == EINTR);
     received_.resize(static_cast<std::size_t>(std::max<ssize_t>(found, 0)));
     taken_ = 0;
-    if (!received_.empty()) return;
-    const int status = wait_for_end();
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != waits) throw OutputError(reason_of(status));
-    close(std::exchange(pipe_, -1));
-    start();
-    receive();
+    has_sent_ = true;
+    if (received_.empty()) throw OutputError(reason_of(wait_for_end()));
 }
 
 int LimitedChild::wait_for_end() {
@@ -216,10 +213,7 @@ std::string LimitedChild::reason_of(int status) const {
                                  static_cast<double>(limits_.bytes) / 0x1p20)
                    : "its content is damaged: memory errors in the library that reads it";
     const int signal = WTERMSIG(status);
-    if (signal == SIGALRM || signal == SIGXCPU)
-        return fmt::format("it takes more than {} s", signal == SIGALRM
-                                                          ? static_cast<unsigned>(longest_wait)
-                                                          : limits_.seconds);
+    if (signal == SIGXCPU) return fmt::format("it takes more than {} s", limits_.seconds);
     return fmt::format("its content is damaged: the library that reads it ended with signal {} "
                        "({})",
                        signal, strsignal(signal));

@@ -49,6 +49,8 @@ public:
 
 private:
     void start();
+    void end(); ///< kills the child
+    void wait();
     void receive();
     int wait_for_end(); ///< its status, as of waitpid
     std::string reason_of(int status) const;
@@ -56,6 +58,7 @@ private:
     Limits limits_;
     Work work_;
     unsigned started_ = 0; ///< number of children
+    bool has_sent_ = false;
     pid_t id_ = -1;
     int pipe_ = -1; ///< reading end
     std::vector<char> received_;

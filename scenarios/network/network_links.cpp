@@ -23,25 +23,13 @@ double sunshine_until(double time) {
 
 } // namespace
 
-LinkRow& NetworkSimulation::properties(std::uint32_t link) {
-    return world_.column<Links, LinkProperties>()[link];
-}
-
-const LinkRow& NetworkSimulation::properties(std::uint32_t link) const {
-    return world_.column<Links, LinkProperties>()[link];
-}
-
-LinkCountRow& NetworkSimulation::counts(std::uint32_t link) {
-    return world_.column<Links, LinkCounts>()[link];
-}
-
 std::uint32_t NetworkSimulation::host_of_link(std::uint32_t link) const {
-    return is_rock_link(link) ? world_.column<Rocks, HostOfRock>()[link] : link - settings_.rocks;
+    return is_rock_link(link) ? rocks_[link].host : link - settings_.rocks;
 }
 
 /// Earliest time from `time` on at which the link is up for `airtime` seconds.
 double NetworkSimulation::up_from(std::uint32_t link, double time, double airtime) const {
-    const LinkRow& p = properties(link);
+    const LinkProperties& p = links_[link].properties;
     if (p.outage <= 0) return time;
     double begin = p.outage_start;
     if (p.interval > 0 && time > begin)
@@ -53,10 +41,10 @@ double NetworkSimulation::up_from(std::uint32_t link, double time, double airtim
 }
 
 void NetworkSimulation::offer(std::uint32_t link, const Packet& packet, double time) {
-    LinkCountRow& c = counts(link);
-    LinkMemory& memory = links_[link];
+    NetworkLink& to = links_[link];
+    LinkCounts& c = to.counts;
     ++c.offered;
-    if (static_cast<double>(c.buffered_bytes + packet.bytes) > properties(link).buffer) {
+    if (static_cast<double>(c.buffered_bytes + packet.bytes) > to.properties.buffer) {
         ++c.lost_full;
         return;
     }
@@ -64,47 +52,47 @@ void NetworkSimulation::offer(std::uint32_t link, const Packet& packet, double t
     c.largest_buffered_bytes = std::max(c.largest_buffered_bytes, c.buffered_bytes);
     ++c.buffered;
     if (packet.is_warning) // overtakes all that is not being sent
-        memory.queue.insert(memory.queue.begin() + (memory.sending ? 1 : 0), packet);
+        to.queue.insert(to.queue.begin() + (to.sending ? 1 : 0), packet);
     else
-        memory.queue.push_back(packet);
+        to.queue.push_back(packet);
     try_to_send(link, time);
 }
 
 void NetworkSimulation::try_to_send(std::uint32_t link, double time) {
-    LinkMemory& memory = links_[link];
-    if (memory.busy || memory.queue.empty()) return;
+    NetworkLink& to = links_[link];
+    if (to.busy || to.queue.empty()) return;
     if (is_rock_link(link) && !update_energy(link, time)) return; // its packets stay where they are
     const std::uint32_t host = host_of_link(link);
-    const double airtime = 8.0 * memory.queue.front().bytes / properties(link).bandwidth;
+    const double airtime = 8.0 * to.queue.front().bytes / to.properties.bandwidth;
     const double from =
-        host_down_[host] != 0 ? (std::floor(time / tick) + 1) * tick : up_from(link, time, airtime);
-    memory.busy = true;
+        hosts_[host].is_down ? (std::floor(time / tick) + 1) * tick : up_from(link, time, airtime);
+    to.busy = true;
     if (from > time) return add(from, Kind::retry, link);
-    memory.sending = true;
-    ++counts(link).transmissions;
+    to.sending = true;
+    ++to.counts.transmissions;
     if (is_rock_link(link)) {
-        double& charge = world_.column<Rocks, Charge>()[link];
-        const double used = std::min(charge, airtime * settings_.rock_power.sending);
-        charge -= used;
-        world_.column<Rocks, EnergyUse>()[link].sending += used;
+        NetworkRock& rock = rocks_[link];
+        const double used = std::min(rock.charge, airtime * settings_.rock_power.sending);
+        rock.charge -= used;
+        rock.use.sending += used;
     } else {
-        world_.column<Hosts, Charge>()[host] -= airtime * settings_.host_power.sending;
-        world_.column<Hosts, EnergyUse>()[host].sending += airtime * settings_.host_power.sending;
+        hosts_[host].charge -= airtime * settings_.host_power.sending;
+        hosts_[host].use.sending += airtime * settings_.host_power.sending;
     }
     add(time + airtime, Kind::sent, link);
 }
 
 void NetworkSimulation::sent(std::uint32_t link, double time) {
-    LinkMemory& memory = links_[link];
-    LinkCountRow& c = counts(link);
-    const LinkRow& p = properties(link);
-    memory.busy = memory.sending = false;
+    NetworkLink& to = links_[link];
+    LinkCounts& c = to.counts;
+    const LinkProperties& p = links_[link].properties;
+    to.busy = to.sending = false;
     Random random(seed_ + 1000 + link, c.transmissions);
     const bool lost = random.uniform() < p.loss;
-    if (lost && memory.tries++ < static_cast<unsigned>(p.repeats)) return try_to_send(link, time);
-    memory.tries = 0;
-    const Packet packet = memory.queue.front();
-    memory.queue.pop_front();
+    if (lost && to.tries++ < static_cast<unsigned>(p.repeats)) return try_to_send(link, time);
+    to.tries = 0;
+    const Packet packet = to.queue.front();
+    to.queue.pop_front();
     --c.buffered;
     c.buffered_bytes -= packet.bytes;
     if (lost) {
@@ -117,12 +105,12 @@ void NetworkSimulation::sent(std::uint32_t link, double time) {
 }
 
 void NetworkSimulation::arrive(std::uint32_t link, double time, const Packet& packet) {
-    LinkCountRow& c = counts(link);
+    LinkCounts& c = links_[link].counts;
     --c.in_flight;
     ++c.delivered;
     if (is_rock_link(link)) return offer(settings_.rocks + host_of_link(link), packet, time);
-    ++world_.column<Clouds, PacketsReceived>()[0];
-    world_.column<Clouds, BytesReceived>()[0] += packet.bytes;
+    ++packets_received_;
+    bytes_received_ += packet.bytes;
     if (packet.is_warning) {
         warnings_.push_back({packet, time});
         return;
@@ -136,23 +124,21 @@ void NetworkSimulation::arrive(std::uint32_t link, double time, const Packet& pa
 /// Charges a host by the sun since the last tick, less what it used by listening.
 void NetworkSimulation::host_tick(std::uint32_t host, double time) {
     const HostPower& p = settings_.host_power;
-    double& charge = world_.column<Hosts, Charge>()[host];
-    EnergyUseRow& use = world_.column<Hosts, EnergyUse>()[host];
-    SolarRow& solar = world_.column<Hosts, Solar>()[host];
+    NetworkHost& h = hosts_[host];
     const double gained = p.panel * (sunshine_until(time) - sunshine_until(time - tick));
     const double listening =
-        host_down_[host] != 0 ? 0 : std::min(p.listening * tick, std::max(0.0, charge + gained));
-    solar.gained += gained;
-    use.standing += listening;
-    charge += gained - listening;
-    if (charge > p.battery) {
-        solar.spilled += charge - p.battery;
-        charge = p.battery;
+        h.is_down ? 0 : std::min(p.listening * tick, std::max(0.0, h.charge + gained));
+    h.gained += gained;
+    h.use.standing += listening;
+    h.charge += gained - listening;
+    if (h.charge > p.battery) {
+        h.spilled += h.charge - p.battery;
+        h.charge = p.battery;
     }
-    if (charge <= 0)
-        host_down_[host] = 1;
-    else if (charge > restart_charge * p.battery)
-        host_down_[host] = 0;
+    if (h.charge <= 0)
+        h.is_down = true;
+    else if (h.charge > restart_charge * p.battery)
+        h.is_down = false;
     add(time + tick, Kind::host_tick, host);
 }
 

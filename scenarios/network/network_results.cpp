@@ -1,8 +1,5 @@
 #include "scenarios/network/network_results.hpp"
 
-#include "engine/archive.hpp"
-#include "engine/state.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -119,15 +116,12 @@ void add_alarms(StrategyResult& result, const NetworkSimulation& simulation, con
 
 StrategyResult result_of(const NetworkSimulation& simulation, const NetworkSettings& settings,
                          const Truth& truth) {
-    const World& world = simulation.world();
-    StrategyResult result{.strategy = static_cast<Strategy>(settings.rock.strategy),
-                          .packets = simulation.balance()};
+    StrategyResult result{.strategy = settings.rock.strategy, .packets = simulation.balance()};
     const double duration = truth.settings().duration, days = duration / 86400,
                  rocks = settings.rocks;
-    result.bytes_per_day = static_cast<double>(world.column<Clouds, BytesReceived>()[0]) / days;
-    for (EntityId rock = 0; rock < settings.rocks; ++rock) {
-        const double used = world.column<Rocks, EnergyUse>()[rock].total(),
-                     empty = world.column<Rocks, EmptyAt>()[rock];
+    result.bytes_per_day = static_cast<double>(simulation.bytes_received()) / days;
+    for (const NetworkRock& rock : simulation.rocks()) {
+        const double used = rock.use.total(), empty = rock.empty_at;
         result.energy_per_day += used / std::min(days, empty / 86400) / rocks;
         result.lifetime +=
             (std::isfinite(empty) ? empty : settings.rock_power.battery / used * duration) / rocks;
@@ -149,15 +143,14 @@ StrategyResult result_of(const NetworkSimulation& simulation, const NetworkSetti
         covered / (rocks * static_cast<double>(truth.trains().size() * truth.samples_per_train()));
     if (heard > 0) result.spectrum_error = errors / heard;
     add_alarms(result, simulation, truth);
-    const auto charges = world.column<Hosts, Charge>();
-    result.host_least_charge = *std::ranges::min_element(charges);
+    result.host_least_charge =
+        std::ranges::min_element(simulation.hosts(), {}, &NetworkHost::charge)->charge;
     result.changes = simulation.applied_changes();
-    result.fingerprint = hexadecimal(fingerprint(save_state(world)));
     return result;
 }
 
 double duty_cycle_lifetime(const NetworkSettings& s) {
-    const RockSettingsRow& r = s.rock;
+    const RockSettings& r = s.rock;
     const RockPower& p = s.rock_power;
     const double duty = r.duty_on / r.duty_period, samples = r.duty_on * r.sampling_rate,
                  packets = std::ceil(samples / s.packet_samples - 1e-9);

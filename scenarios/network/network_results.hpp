@@ -4,7 +4,6 @@
 #include "scenarios/network/network_simulation.hpp"
 
 #include <limits>
-#include <string>
 #include <vector>
 
 namespace bris {
@@ -26,7 +25,6 @@ struct StrategyResult {
     std::size_t warnings = 0, false_warnings = 0; ///< received; of trains before the change
     double host_least_charge = 0;                 ///< J, at the end
     std::vector<AppliedChange> changes = {};
-    std::string fingerprint = {};                        ///< of all tables
     Spectrum true_spectrum = {}, received_spectrum = {}; ///< of the first rock
 };
 

@@ -14,21 +14,28 @@ namespace {
 
 struct ChangeColumn {
     const char* name;
-    double RockSettingsRow::*value;
+    double RockSettings::*value;
     double low, high; // both accepted
 };
 
-constexpr std::array<ChangeColumn, 10> change_columns{
-    {{"strategy", &RockSettingsRow::strategy, 0, 3},
-     {"sampling_rate_Hz", &RockSettingsRow::sampling_rate, 1, Truth::base_rate},
-     {"trigger_level_m_per_s2", &RockSettingsRow::trigger_level, 1e-3, 1e3},
-     {"pre_trigger_s", &RockSettingsRow::pre_trigger, 0, 60},
-     {"post_trigger_s", &RockSettingsRow::post_trigger, 0.1, 3600},
-     {"lead_s", &RockSettingsRow::lead, 0, 1e5},
-     {"session_s", &RockSettingsRow::session, 1, 1e5},
-     {"duty_period_s", &RockSettingsRow::duty_period, 1, 1e6},
-     {"duty_on_s", &RockSettingsRow::duty_on, 0.1, 1e6},
-     {"warning_threshold_m_per_s2", &RockSettingsRow::warning_threshold, 1e-3, 1e3}}};
+constexpr std::array<ChangeColumn, 9> change_columns{
+    {{"sampling_rate_Hz", &RockSettings::sampling_rate, 1, Truth::base_rate},
+     {"trigger_level_m_per_s2", &RockSettings::trigger_level, 1e-3, 1e3},
+     {"pre_trigger_s", &RockSettings::pre_trigger, 0, 60},
+     {"post_trigger_s", &RockSettings::post_trigger, 0.1, 3600},
+     {"lead_s", &RockSettings::lead, 0, 1e5},
+     {"session_s", &RockSettings::session, 1, 1e5},
+     {"duty_period_s", &RockSettings::duty_period, 1, 1e6},
+     {"duty_on_s", &RockSettings::duty_on, 0.1, 1e6},
+     {"warning_threshold_m_per_s2", &RockSettings::warning_threshold, 1e-3, 1e3}}};
+
+/// From a cell of a table; empty: no change.
+std::optional<Strategy> strategy_of(double value, const std::string& at) {
+    if (std::isnan(value)) return std::nullopt;
+    require(value == std::round(value) && value >= 0 && value <= 3,
+            fmt::format("{}strategy: expected 0, 1, 2 or 3, found {:g}", at, value));
+    return static_cast<Strategy>(value);
+}
 
 } // namespace
 
@@ -37,10 +44,8 @@ const char* name_of(Strategy strategy) {
     return names[static_cast<std::size_t>(strategy)];
 }
 
-void check_rock_settings(const RockSettingsRow& s, const std::string& where) {
+void check_rock_settings(const RockSettings& s, const std::string& where) {
     require_sampling_rate(s.sampling_rate, where + "sampling rate");
-    require(s.strategy == std::round(s.strategy) && s.strategy >= 0 && s.strategy <= 3,
-            fmt::format("{}strategy: expected 0, 1, 2 or 3, found {:g}", where, s.strategy));
     require(s.duty_on < s.duty_period,
             fmt::format("{}duty cycle: expected sampling for less than the period of {:g} s, found "
                         "{:g} s",
@@ -51,7 +56,7 @@ std::vector<SettingsChange> read_changes(const std::filesystem::path& csv, unsig
     const CsvTable table = read_csv(csv);
     const auto times = table.column("t_s"), of_rocks = table.column("rock");
     for (const std::string& name : table.names) {
-        bool known = name == "t_s" || name == "rock";
+        bool known = name == "t_s" || name == "rock" || name == "strategy";
         for (const ChangeColumn& column : change_columns) known = known || name == column.name;
         require(known, fmt::format("{}: expected the name of a setting, found column '{}'",
                                    csv.string(), name));
@@ -67,8 +72,8 @@ std::vector<SettingsChange> read_changes(const std::filesystem::path& csv, unsig
                             rock));
         SettingsChange change{.time = times[row],
                               .rock = rock > 0 ? static_cast<EntityId>(rock) - 1 : 0,
-                              .all = rock == 0,
-                              .values = {}};
+                              .all = rock == 0};
+        if (table.has("strategy")) change.strategy = strategy_of(table.column("strategy")[row], at);
         for (const ChangeColumn& column : change_columns) {
             if (!table.has(column.name)) continue;
             const double value = table.column(column.name)[row];
@@ -76,14 +81,12 @@ std::vector<SettingsChange> read_changes(const std::filesystem::path& csv, unsig
             require(value >= column.low && value <= column.high,
                     fmt::format("{}{}: expected {:g} to {:g}, found {:g}", at, column.name,
                                 column.low, column.high, value));
-            if (column.value == &RockSettingsRow::sampling_rate)
+            if (column.value == &RockSettings::sampling_rate)
                 require_sampling_rate(value, at + column.name);
-            if (column.value == &RockSettingsRow::strategy)
-                require(value == std::round(value),
-                        fmt::format("{}strategy: expected 0, 1, 2 or 3, found {:g}", at, value));
             change.values.emplace_back(column.value, value);
         }
-        require(!change.values.empty(), at + "expected at least one setting to change, found none");
+        require(change.strategy || !change.values.empty(),
+                at + "expected at least one setting to change, found none");
         changes.push_back(std::move(change));
     }
     return changes;

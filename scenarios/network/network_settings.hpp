@@ -1,13 +1,44 @@
 #pragma once
 
-#include "scenarios/network/tables.hpp"
+#include "engine/entity.hpp"
 #include "scenarios/network/truth.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace bris {
+
+/// How a rock chooses when it samples.
+enum class Strategy : std::uint32_t { continuous, scheduled, triggered, duty_cycled };
+
+/// Settings of a rock that can be changed after it was installed.
+struct RockSettings {
+    Strategy strategy = Strategy::continuous;
+    double sampling_rate = 200;     ///< Hz
+    double trigger_level = 0.4;     ///< m/s2 at which the motion detector wakes the rock
+    double pre_trigger = 0.5;       ///< s before the trigger that a buffer keeps
+    double post_trigger = 2;        ///< s that sampling goes on after the last trigger
+    double lead = 60;               ///< s before the planned arrival at which a rock wakes
+    double session = 300;           ///< s that it then samples
+    double duty_period = 600;       ///< s between the beginnings of sampling
+    double duty_on = 20;            ///< s of sampling
+    double warning_threshold = 1.2; ///< m/s2, root mean square of 1 s from which a rock warns
+};
+
+/// Properties of a link.
+struct LinkProperties {
+    double bandwidth = 0;    ///< bit/s
+    double latency = 0;      ///< s
+    double jitter = 0;       ///< s, largest additional delay
+    double loss = 0;         ///< probability that a transmission is not received
+    double repeats = 0;      ///< transmissions of a packet after the first one was lost
+    double outage_start = 0; ///< s, of the first outage
+    double outage = 0;       ///< s, length of an outage
+    double interval = 0;     ///< s between the beginnings of outages; 0: only the first one
+    double buffer = 0;       ///< B, of the sender
+};
 
 /// Power and energy of a rock. Defaults are orders of magnitude of common devices, not measured.
 struct RockPower {
@@ -32,36 +63,36 @@ struct SettingsChange {
     double time = 0; ///< s
     EntityId rock = 0;
     bool all = true; ///< of all rocks
-    /// Names and new values, as in RockSettingsRow.
-    std::vector<std::pair<double RockSettingsRow::*, double>> values;
+    std::optional<Strategy> strategy = {};
+    std::vector<std::pair<double RockSettings::*, double>> values = {}; ///< of other settings
 };
 
 struct NetworkSettings {
     unsigned rocks = 4, hosts = 1;
-    RockSettingsRow rock;
+    RockSettings rock;
     RockPower rock_power;
     HostPower host_power;
     double sample_bytes = 6, header_bytes = 20, warning_bytes = 32;
     double packet_samples = 80;     ///< samples in a full packet
     double contact_interval = 3600; ///< s between contacts for new settings; each wake is one too
-    LinkRow rock_link{.bandwidth = 250e3,
-                      .latency = 5e-3,
-                      .jitter = 5e-3,
-                      .loss = 0.02,
-                      .repeats = 3,
-                      .outage_start = 20e3,
-                      .outage = 600,
-                      .interval = 30e3,
-                      .buffer = 1 << 20};
-    LinkRow cloud_link{.bandwidth = 2e6,
-                       .latency = 0.05,
-                       .jitter = 0.05,
-                       .loss = 0.005,
-                       .repeats = 5,
-                       .outage_start = 40e3,
-                       .outage = 1200,
-                       .interval = 40e3,
-                       .buffer = 64 << 20};
+    LinkProperties rock_link{.bandwidth = 250e3,
+                             .latency = 5e-3,
+                             .jitter = 5e-3,
+                             .loss = 0.02,
+                             .repeats = 3,
+                             .outage_start = 20e3,
+                             .outage = 600,
+                             .interval = 30e3,
+                             .buffer = 1 << 20};
+    LinkProperties cloud_link{.bandwidth = 2e6,
+                              .latency = 0.05,
+                              .jitter = 0.05,
+                              .loss = 0.005,
+                              .repeats = 5,
+                              .outage_start = 40e3,
+                              .outage = 1200,
+                              .interval = 40e3,
+                              .buffer = 64 << 20};
     std::vector<SettingsChange> changes;
 };
 
@@ -76,6 +107,6 @@ const char* name_of(Strategy strategy);
 std::vector<SettingsChange> read_changes(const std::filesystem::path& csv, unsigned rocks);
 
 /// Throws InputError, beginning with `where`, unless the settings can be used together.
-void check_rock_settings(const RockSettingsRow& settings, const std::string& where);
+void check_rock_settings(const RockSettings& settings, const std::string& where);
 
 } // namespace bris

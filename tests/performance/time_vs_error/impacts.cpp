@@ -3,10 +3,10 @@
 // acts at once: for e = 0.2 the largest force is nearly that at the first touch, and the recorded
 // force of the first step, a mean over the step times its share, does not measure it
 // (share_of_kick).
+#include "engine/choice.hpp"
+#include "scenarios/collision/impact.hpp"
+#include "scenarios/collision/peak.hpp"
 #include "scenarios/specimens/bench.hpp"
-#include "scenarios/verification/impact.hpp"
-#include "scenarios/verification/names.hpp"
-#include "scenarios/verification/peak.hpp"
 #include "tests/performance/time_vs_error/scene.hpp"
 
 #include <cmath>
@@ -70,7 +70,7 @@ Impact impact_of(const Settings& settings) {
     s.material = m;
     s.partner_material = hertz ? rigid_material() : m;
     s.partner_material.restitution = m.restitution;
-    s.law = law_named(settings.word("law"));
+    s.law = named<LawName>(law_names(), settings.word("law"));
     s.steps_per_contact = 1 / settings.number("step");
     return s;
 }

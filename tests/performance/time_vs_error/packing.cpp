@@ -2,12 +2,12 @@
 // of a seed start from the same spheres, and the error of a variant is the mean difference to its
 // reference over the seeds.
 #include "components/settings.hpp"
+#include "engine/choice.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
+#include "scenarios/collision/impact.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/sphere_bed.hpp"
-#include "scenarios/verification/impact.hpp"
-#include "scenarios/verification/names.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/frames.hpp"
@@ -57,7 +57,7 @@ Simulation make_bed(const Settings& settings, std::uint64_t seed, double& contac
     bed.size_spread = spread;
     bed.seed = seed;
     World world = make_sphere_bed(bed);
-    const auto law = law_named(settings.word("law"));
+    const auto law = named<LawName>(law_names(), settings.word("law"));
     auto& materials = world.resource<Materials>();
     materials.list.front() = grain_of(settings);
     materials.mix();

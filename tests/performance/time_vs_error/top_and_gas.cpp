@@ -1,11 +1,11 @@
 // S2: a torque-free rigid body, compared with Jacobi's solution. S3: a gas of 64 smooth elastic
 // spheres, whose energy must be constant.
+#include "engine/choice.hpp"
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
-#include "scenarios/verification/gas.hpp"
-#include "scenarios/verification/names.hpp"
-#include "scenarios/verification/top.hpp"
 #include "tests/performance/time_vs_error/scene.hpp"
+#include "tests/verification/gas.hpp"
+#include "tests/verification/top.hpp"
 
 #include <fmt/format.h>
 
@@ -44,7 +44,7 @@ Outcome run_gas(const Settings& settings, std::uint64_t seed) {
     gas.material = linear_material(1e6);
     gas.material.young_modulus = 1e8;
     gas.material.poisson_ratio = 0.25;
-    gas.law = law_named(settings.word("law"));
+    gas.law = named<LawName>(law_names(), settings.word("law"));
     gas.steps_per_contact = 1 / settings.number("step");
     gas.contacts_long = 60;
     gas.seed = seed;

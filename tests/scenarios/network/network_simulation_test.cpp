@@ -1,7 +1,6 @@
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
-#include "engine/state.hpp"
 #include "scenarios/network/network_results.hpp"
 #include "scenarios/network/network_simulation.hpp"
 #include "tests/temporary_directory.hpp"
@@ -18,8 +17,8 @@ namespace {
 NetworkSettings perfect(Strategy strategy) {
     NetworkSettings s;
     s.rocks = 2;
-    s.rock.strategy = static_cast<double>(strategy);
-    for (LinkRow* link : {&s.rock_link, &s.cloud_link}) {
+    s.rock.strategy = strategy;
+    for (LinkProperties* link : {&s.rock_link, &s.cloud_link}) {
         link->loss = link->outage = link->jitter = 0;
         link->latency = 1e-3;
     }
@@ -38,8 +37,8 @@ TruthSettings trains_of(double duration, double headway = 600) {
 
 void check_balance(const PacketBalance& b) { CHECK(b.made == b.delivered + b.lost() + b.queued); }
 
-const LinkCountRow& counts(const NetworkSimulation& n, std::size_t link) {
-    return n.world().column<Links, LinkCounts>()[link];
+const LinkCounts& counts(const NetworkSimulation& n, std::size_t link) {
+    return n.links()[link].counts;
 }
 
 } // namespace
@@ -52,7 +51,7 @@ TEST_SUITE("network/simulation") {
             NetworkSettings s;
             s.rocks = 3;
             s.hosts = 2;
-            s.rock.strategy = static_cast<double>(k % 4);
+            s.rock.strategy = static_cast<Strategy>(k % 4);
             s.rock_link.loss = 0.05 * static_cast<double>(k % 5);
             s.rock_link.repeats = static_cast<double>(k % 3);
             s.rock_link.jitter = 0.2;
@@ -75,7 +74,7 @@ TEST_SUITE("network/simulation") {
             lost_full += b.lost_full;
             queued += b.queued;
             for (std::size_t link = 0; link < 5; ++link) { // and for each link
-                const LinkCountRow& c = counts(n, link);
+                const LinkCounts& c = counts(n, link);
                 CHECK(c.offered ==
                       c.delivered + c.lost_on_air + c.lost_full + c.buffered + c.in_flight);
             }
@@ -95,13 +94,12 @@ TEST_SUITE("network/simulation") {
             s.rock_power.battery = 400;
             NetworkSimulation n(s, truth, 1);
             n.run();
-            const double found = n.world().column<Rocks, EmptyAt>()[0],
-                         expected = duty_cycle_lifetime(s);
+            const double found = n.rocks()[0].empty_at, expected = duty_cycle_lifetime(s);
             CAPTURE(on);
             REQUIRE(std::isfinite(found));
             CHECK(found > 100 * s.rock.duty_period);
             CHECK(found == doctest::Approx(expected).epsilon(1e-3));
-            const EnergyUseRow& use = n.world().column<Rocks, EnergyUse>()[0];
+            const EnergyUse& use = n.rocks()[0].use;
             CHECK(use.total() == doctest::Approx(400).epsilon(1e-9)); // all of it, and no more
         }
     }
@@ -175,12 +173,12 @@ TEST_SUITE("network/simulation") {
         s.changes = {{.time = 3600,
                       .rock = 1,
                       .all = false,
-                      .values = {{&RockSettingsRow::sampling_rate, 100.0}}}};
+                      .values = {{&RockSettings::sampling_rate, 100.0}}}};
         NetworkSimulation n(s, truth, 1);
         n.run();
-        const auto samples = n.world().column<Rocks, SamplesTaken>();
-        CHECK(samples[0] == doctest::Approx(7200 * 200).epsilon(1e-3));
-        CHECK(samples[1] == doctest::Approx(3600 * 200 + 3600 * 100).epsilon(1e-3));
+        const auto& rocks = n.rocks();
+        CHECK(rocks[0].samples == doctest::Approx(7200 * 200).epsilon(1e-3));
+        CHECK(rocks[1].samples == doctest::Approx(3600 * 200 + 3600 * 100).epsilon(1e-3));
         REQUIRE(n.applied_changes().size() == 1);
         CHECK(n.applied_changes()[0].rock == 1);
         CHECK(n.applied_changes()[0].time > 3600);
@@ -189,9 +187,7 @@ TEST_SUITE("network/simulation") {
 
         s = perfect(Strategy::triggered); // asleep: not before its next contact
         s.contact_interval = 1000;
-        s.changes = {
-            {.time = 3100,
-             .values = {{&RockSettingsRow::strategy, static_cast<double>(Strategy::continuous)}}}};
+        s.changes = {{.time = 3100, .strategy = Strategy::continuous}};
         TruthSettings quiet = trains_of(7200);
         quiet.headway = 1e6;
         const Truth none(quiet, 2);
@@ -199,8 +195,7 @@ TEST_SUITE("network/simulation") {
         later.run();
         for (const AppliedChange& a : later.applied_changes()) CHECK(a.time == 4000);
         CHECK(later.applied_changes().size() == 2);
-        CHECK(later.world().column<Rocks, SamplesTaken>()[0] ==
-              doctest::Approx(3200 * 200).epsilon(1e-3));
+        CHECK(later.rocks()[0].samples == doctest::Approx(3200 * 200).epsilon(1e-3));
     }
 
     TEST_CASE("a warning comes after the change, and sooner by a strategy that listens") {
@@ -221,20 +216,21 @@ TEST_SUITE("network/simulation") {
         CHECK_FALSE(delay[1] < delay[0]);
     }
 
-    TEST_CASE("the same seed gives the same bits, alone and beside other simulations") {
+    TEST_CASE("the same seed gives the same bits, alone and next to other simulations") {
         const Truth truth(trains_of(3600), 4);
-        std::vector<std::string> prints(6);
+        std::vector<std::vector<double>> traces(6); // times of arrival, and charges at the end
         run_ensemble(6, 3, [&](std::size_t k) {
             NetworkSettings s;
-            s.rock.strategy = static_cast<double>(k % 2 * 2); // continuous and triggered
+            s.rock.strategy = k % 2 == 0 ? Strategy::continuous : Strategy::triggered;
             NetworkSimulation n(s, truth, 9);
             n.run();
-            prints[k] = hexadecimal(fingerprint(save_state(n.world())));
+            for (const Received& r : n.received()) traces[k].push_back(r.time);
+            for (const NetworkRock& rock : n.rocks()) traces[k].push_back(rock.charge);
         });
-        CHECK(prints[2] == prints[0]);
-        CHECK(prints[4] == prints[0]);
-        CHECK(prints[3] == prints[1]);
-        CHECK(prints[1] != prints[0]);
+        CHECK(traces[2] == traces[0]);
+        CHECK(traces[4] == traces[0]);
+        CHECK(traces[3] == traces[1]);
+        CHECK(traces[1] != traces[0]);
     }
 
     TEST_CASE("a host without sun goes dark and comes back when the sun shines") {
@@ -244,15 +240,13 @@ TEST_SUITE("network/simulation") {
         s.host_power.battery = 5000; // 2.8 h of 0.5 W: empty before dawn
         NetworkSimulation n(s, truth, 1);
         n.run();
-        const auto& solar = n.world().column<Hosts, Solar>()[0];
+        const NetworkHost& host = n.hosts()[0];
         // peak 10 W x 12 h x 2 / pi per day
-        CHECK(solar.gained == doctest::Approx(2 * 10 * 43200 * 2 / pi).epsilon(1e-9));
-        CHECK(solar.spilled > 0);
-        const auto& use = n.world().column<Hosts, EnergyUse>()[0];
-        const double charge = n.world().column<Hosts, Charge>()[0];
-        CHECK(5000 + solar.gained - solar.spilled - use.total() ==
-              doctest::Approx(charge).epsilon(1e-9)); // the account closes
-        CHECK(use.standing < 0.5 * 86400 * 2 * 0.95); // it was dark for a while
+        CHECK(host.gained == doctest::Approx(2 * 10 * 43200 * 2 / pi).epsilon(1e-9));
+        CHECK(host.spilled > 0);
+        CHECK(5000 + host.gained - host.spilled - host.use.total() ==
+              doctest::Approx(host.charge).epsilon(1e-9)); // the account closes
+        CHECK(host.use.standing < 0.5 * 86400 * 2 * 0.95); // it was dark for a while
         check_balance(n.balance());
     }
 

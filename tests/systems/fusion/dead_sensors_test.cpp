@@ -2,8 +2,8 @@
 
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
-#include "scenarios/stability/observed.hpp"
 #include "systems/fusion/fuse.hpp"
+#include "tests/stability/observed.hpp"
 
 #include <doctest/doctest.h>
 
