@@ -129,6 +129,8 @@ Analysis SensorFilter::observe(const Measured& measured) {
     return a;
 }
 
+Matrix SensorFilter::covariance() const { return filter_.covariance().topLeftCorner<12, 12>(); }
+
 void SensorFilter::withhold(const Analysis& part) {
     if (settings_.kind == FilterKind::printed) return;
     RigidState& stays = filter_.state;

@@ -87,7 +87,7 @@ public:
     const AnalysisStatistics& attitude() const { return attitude_; }
     /// Error covariance of position, velocity, rotation and angular velocity (12 x 12) after the
     /// last analysis.
-    Matrix covariance() const { return filter_.covariance().topLeftCorner<12, 12>(); }
+    Matrix covariance() const;
 
     void save(Archive& archive, const std::string& path) const;
     void load(const Archive& archive, const std::string& path);

@@ -52,7 +52,7 @@ def installed(codes):
     if missing:
         print(f'missing Debian packages: apt-get install {" ".join(missing)}', file=sys.stderr)
     if not BENCH.exists():
-        sys.exit(f'expected {BENCH}, found none: run scenarios/build')
+        sys.exit(f'expected {BENCH}, found none: run scenarios/build everything')
     if 'lammps_native' in codes and not NATIVE.exists():
         print('without lammps_native, which tests/performance/peers/native_lammps makes', file=sys.stderr)
     return [c for c in CODES if c in codes and shutil.which(CODES[c]) and (c != 'lammps_native' or NATIVE.exists())]
