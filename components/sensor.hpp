@@ -56,31 +56,18 @@ struct CorrectionRow {
 struct Correction : State<CorrectionRow> {
     static constexpr auto name = "correction", unit = "m, rad";
 };
-/// Spring and dashpot that nudge a sensor's body towards its target pose (nudge_clumps) until the
-/// next analysis. In a staged test (Fusion::by_strain) they act to the end of the stage; from there
-/// to the next analysis their force is held constant (hold_nudging_forces).
-struct NudgingRow {
-    /// N and N m: sum of spring and dashpot in the last step.
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    /// m and m/s: target position, and the velocity at which the target moves.
-    Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();
-    Vec3 angular_velocity = Vec3::Zero(); ///< rad/s, at which the target rotates
-    /// Target attitude. Of a sphere, which has no attitude: the remaining rotation to the target.
-    Quat attitude = Quat::Identity();
-    double stiffness = 0, turn_stiffness = 0;     ///< N/m and N m/rad; 0: no nudging
-    double largest_force = 0, largest_torque = 0; ///< N and N m
-    double held = 0;                              ///< 1: force and torque stay constant
-    bool is_active() const { return stiffness > 0 || turn_stiffness > 0; }
-};
-struct Nudging : State<NudgingRow> {
-    static constexpr auto name = "nudging", unit = "N, N m, m, m/s, rad/s, 1, N/m";
-};
-static_assert(sizeof(NudgingRow) == 24 * sizeof(double)); // no padding: every byte is saved
 /// 1 while a body is corrected or nudged, and in the step after; otherwise 0. Only few bodies are
 /// guided, and the systems of the fusion skip all others.
 struct Guided : State<std::uint32_t> {
     static constexpr auto name = "guided", unit = "";
 };
+/// Calls visit(row) for each body that is corrected or nudged.
+template <class BodyRows, class Visit>
+void for_guided(const BodyRows& bodies, Visit&& visit) {
+    const std::uint32_t* guided = bodies.template column<Guided>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b)
+        if (guided[b] != 0) visit(b);
+}
 /// Work done on the body by corrections and nudging since the start.
 struct FusionWork : State<double> {
     static constexpr auto name = "fusion_work", unit = "J";

@@ -5,13 +5,13 @@
 #include "systems/contact/collide.hpp"
 #include "systems/contact/share_patches.hpp"
 #include "systems/contact/sum_contacts.hpp"
+#include "systems/fields/coupled_fields.hpp"
 #include "systems/fields/weaken_contacts.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
-#include "systems/fusion/nudging.hpp"
 #include "systems/guard.hpp"
 #include "systems/integration/motion.hpp"
-#include "systems/loads/loads.hpp"
+#include "systems/loads/table.hpp"
 #include "systems/recorder/record_motion.hpp"
 #include "systems/servo/membrane.hpp"
 #include "systems/servo/platen.hpp"
@@ -43,40 +43,38 @@ void note_readers_of_motion(World& world) {
     MotionColumns& columns = world.resource<MotionColumns>();
     columns.current = !std::exchange(columns.skipped, false);
     columns.due = world.resource<Clock>().last || world.has_resource<Replay>() ||
-                  world.has_resource<Fouling>() || world.has_resource<Sleep>() ||
+                  world.has_resource<Weakening>() || world.has_resource<Sleep>() ||
                   world.has_resource<InertialRecorders>();
 }
 
-/// Contacts are weakened anew when fines, or the candidate pairs, have changed.
-bool fines_or_lists_are_due(const World& world) {
-    return world.has_resource<Fouling>() &&
-           (weakening_is_due(world) || fouling_is_due(world) || lists_are_due(world));
+/// Contacts are weakened anew when fields, or the candidate pairs, have changed.
+bool fields_or_lists_are_due(const World& world) {
+    return world.has_resource<Weakening>() &&
+           (weakening_is_due(world) || fields_are_due(world) || lists_are_due(world));
 }
 
 bool sleep_or_lists_are_due(const World& world) {
     return lists_are_due(world) || sleep_is_due(world);
 }
 
-} // namespace
-
-bool whole_step_is_due(const World& world) {
-    if (world.has_resource<Replay>() && fusion_is_due(world)) return true; // on all ranks alike
-    if (!world.has_resource<Fouling>() ||
-        !world.resource<Fouling>().is_checked(world.resource<Clock>().step))
-        return false;
-    const bool here = fouling_is_due(world);
-    return world.has_resource<Slab>() ? Ranks::any(here) : here; // a part knows its own rocks only
+StepList joined(const std::vector<StepList>& parts) {
+    StepList list;
+    for (const StepList& part : parts) list.insert(list.end(), part.begin(), part.end());
+    return list;
 }
 
-StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
-    const auto due = lists_are_due, moved = positions_are_due;
-    const StepChoices choices{energy_budget, patch};
+StepList begin_of_step() {
     return {
         system("note_observation", note_observation),
         system("note_readers_of_motion", note_readers_of_motion),
-        when(moved, system("complete_motion", complete_motion)),
-        when(fouling_is_due, system("update_fouling", update_fouling)),
-        // when lists are due: new lists, then all positions that contacts read
+        when(positions_are_due, system("complete_motion", complete_motion)),
+    };
+}
+
+/// New lists when they are due, and then all positions that contacts read.
+StepList lists_of_step() {
+    const auto due = lists_are_due, moved = positions_are_due;
+    return {
         when(due, system("rebuild_pairs", rebuild_pairs)),
         system("share_census", share_census),
         system("list_ghosts", list_ghosts),
@@ -90,8 +88,12 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         when(moved, system("update_turned_facets again", update_turned_facets)),
         when(moved, system("note_positions", note_positions)),
         when(sleep_or_lists_are_due, system("review_sleep", review_sleep)),
-        when(fines_or_lists_are_due, system("weaken_contacts", weaken_contacts)),
-        // contacts
+        when(fields_or_lists_are_due, system("weaken_contacts", weaken_contacts)),
+    };
+}
+
+StepList contacts_of_step(LawName law, const StepChoices& choices) {
+    return {
         system("choose_force_grid", choose_force_grid),
         system("share_sphere_patches", share_sphere_patches),
         system("share_plane_patches", share_plane_patches),
@@ -101,18 +103,23 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         required(collide_membrane(law, choices)),
         system("sum_boundaries", sum_boundaries),
         system("share_boundary_forces", share_boundary_forces),
-        // forces on bodies, and their motion, in one pass over the rows
-        row_local("sum_contacts", sum_contacts),
-        row_local("apply_gravity", apply_gravity),
-        row_local("apply_loads", apply_loads),
-        row_local("push_patches", push_patches),
-        row_local("accumulate_boundary_work", accumulate_boundary_work),
-        row_local("accumulate_correction_work", accumulate_correction_work),
-        row_local("nudge_spheres", nudge_spheres),
-        row_local("nudge_clumps", nudge_clumps),
-        damping_of(energy_budget),
-        row_local("accumulate_load_work", accumulate_load_work),
-        row_local("accumulate_patch_work", accumulate_patch_work),
+    };
+}
+
+/// Forces on bodies, which are complete after damping.
+StepList forces_of_step(bool energy_budget) {
+    return joined({
+        {row_local("sum_contacts", sum_contacts), row_local("apply_gravity", apply_gravity)},
+        force_systems_of_elements(),
+        {row_local("accumulate_boundary_work", accumulate_boundary_work),
+         row_local("accumulate_correction_work", accumulate_correction_work),
+         damping_of(energy_budget)},
+        work_systems_of_elements(),
+    });
+}
+
+StepList motion_of_step() {
+    return {
         row_local("note_motion", note_motion),
         row_local("integrate", integrate),
         row_local("rotate_spheres", rotate_spheres),
@@ -134,7 +141,11 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         combined(parts_of_move_spheres, row_local("move_spheres", move_spheres)),
         combined(parts_of_move_spheres_of_slab,
                  system("move_spheres_of_slab", move_spheres_of_slab)),
-        // boundaries
+    };
+}
+
+StepList boundaries_of_step() {
+    return {
         system("sum_membrane", sum_membrane),
         system("share_membrane_forces", share_membrane_forces),
         system("push_membrane", push_membrane),
@@ -148,6 +159,11 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("update_planes", update_planes),
         system("update_facets", update_facets),
         system("update_turned_facets", update_turned_facets),
+    };
+}
+
+StepList end_of_step() {
+    return {
         // assimilation of sensor recordings
         when(fusion_is_due, system("fuse_spheres", fuse_spheres)),
         when(fusion_is_due, system("fuse_clumps", fuse_clumps)),
@@ -170,6 +186,22 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("review_candidates", review_candidates),
         system("exchange_bodies", exchange_bodies),
     };
+}
+
+} // namespace
+
+bool whole_step_is_due(const World& world) {
+    if (world.has_resource<Replay>() && fusion_is_due(world)) return true; // on all ranks alike
+    if (!fields_are_checked(world)) return false;
+    const bool here = fields_are_due(world);
+    return world.has_resource<Slab>() ? Ranks::any(here) : here; // a part knows its own rocks only
+}
+
+StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
+    // forces on bodies and their motion are one pass over the rows
+    return joined({begin_of_step(), systems_of_fields(), lists_of_step(),
+                   contacts_of_step(law, {energy_budget, patch}), forces_of_step(energy_budget),
+                   motion_of_step(), boundaries_of_step(), end_of_step()});
 }
 
 } // namespace bris

@@ -206,7 +206,7 @@ void BoxTestRun::add_sample(const World& world, Series& cycles) const {
                 on_bladder / (sizes_.width * sizes_.bladder_height),
                 position(bodies.bladder).y() - state.bladder, -subgrade - 0.025, balance.tie_load,
                 balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio,
-                subgrade_energy, q.elastic_energy - q.ground_energy});
+                subgrade_energy, q.elastic_energy - q.element_energy});
 }
 
 Phase BoxTestRun::loading(const Run& run, Series& cycles, const std::function<void()>& frame) {

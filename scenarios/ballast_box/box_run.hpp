@@ -1,10 +1,10 @@
 #pragma once
 
-#include "components/load.hpp"
 #include "engine/io/series.hpp"
 #include "engine/run.hpp"
 #include "engine/simulation.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
+#include "systems/loads/load.hpp"
 
 #include <cstdint>
 #include <vector>

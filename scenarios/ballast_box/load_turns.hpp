@@ -1,7 +1,7 @@
 #pragma once
 
-#include "components/load.hpp"
 #include "scenarios/ballast_box/train.hpp"
+#include "systems/loads/load.hpp"
 
 #include <cstddef>
 #include <vector>

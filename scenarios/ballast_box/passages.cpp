@@ -1,13 +1,14 @@
 #include "scenarios/ballast_box/passages.hpp"
 
 #include "components/kinds.hpp"
-#include "components/load.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/ballast_box/box_balance.hpp"
 #include "scenarios/ballast_box/hanging_tie.hpp"
 #include "scenarios/ballast_box/shells.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/scene.hpp"
+#include "systems/loads/load.hpp"
+#include "systems/loads/spring_patch.hpp"
 #include "systems/output/quantities.hpp"
 
 #include <fmt/format.h>

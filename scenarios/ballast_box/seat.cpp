@@ -120,10 +120,10 @@ void BoxTestRun::foul(Simulation& simulation) const {
 }
 
 void add_fields(Simulation& simulation, const BallastBox& box) {
-    const FoulingOptions fouling = fouling_of(box);
     const BoxSizes s = box_sizes(box);
-    add_fouling(simulation.world(), fouling.settings, fouling.law,
-                {.low = Vec3::Zero(), .high = Vec3(s.width, s.across, fields_height)});
+    add_fouling(simulation.world(), fouling_of(box));
+    simulation.world().resource<Fouling>().box = {Vec3::Zero(),
+                                                  Vec3(s.width, s.across, fields_height)};
     simulation.prepare();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "components/load.hpp"
+#include "systems/loads/load.hpp"
 
 #include <string>
 #include <vector>

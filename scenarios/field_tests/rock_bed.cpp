@@ -1,7 +1,6 @@
 #include "scenarios/field_tests/rock_bed.hpp"
 
 #include "components/kinds.hpp"
-#include "components/load.hpp"
 #include "components/settings.hpp"
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"

@@ -1,7 +1,6 @@
 // Consolidation and shear of a made specimen in the shear box.
 #include "components/fouling.hpp"
 #include "components/kinds.hpp"
-#include "components/load.hpp"
 #include "components/settings.hpp"
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"
@@ -14,6 +13,7 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/fields/fouling.hpp"
+#include "systems/loads/table.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/quantities.hpp"
 
@@ -64,18 +64,17 @@ struct Energies {
     double put_in = 0, stored = 0, lost = 0; // J
 };
 
-/// Energies since the start: work of boundary, load and mass scaling; elastic, kinetic and
+/// Energies since the start: work of boundary, elements and mass scaling; elastic, kinetic and
 /// potential energy; work of friction and dashpots.
 Energies energies_of(const World& world, const Quantities& q) {
     const Table& bodies = world.table<Bodies>();
     const auto rows = rows_by_id(bodies.column<BodyId>());
     Energies e;
-    e.put_in = sum_by_id(rows, bodies.column<BoundaryWork>()) +
-               sum_by_id(rows, bodies.column<LoadWork>()) +
+    const ElementWork elements = work_of_elements(world);
+    e.put_in = sum_by_id(rows, bodies.column<BoundaryWork>()) + elements.done +
                sum_by_id(rows, bodies.column<ScalingWork>());
     e.lost = sum_by_id(rows, bodies.column<FrictionWork>()) +
-             sum_by_id(rows, bodies.column<ViscousWork>()) +
-             sum_by_id(rows, bodies.column<PatchWork>());
+             sum_by_id(rows, bodies.column<ViscousWork>()) + elements.lost;
     e.stored = q.elastic_energy + q.kinetic_energy;
     const auto mass = bodies.column<Mass>();
     const auto position = bodies.column<Position>();

@@ -2,7 +2,6 @@
 
 #include "components/fouling.hpp"
 #include "components/kinds.hpp"
-#include "components/load.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"

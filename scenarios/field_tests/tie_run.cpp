@@ -2,7 +2,6 @@
 #include "components/body_contacts.hpp"
 #include "components/boundary.hpp"
 #include "components/kinds.hpp"
-#include "components/load.hpp"
 #include "components/settings.hpp"
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"
@@ -12,6 +11,7 @@
 #include "scenarios/specimens/scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/mass_scaling.hpp"
+#include "systems/loads/spring_patch.hpp"
 #include "systems/output/balance.hpp"
 
 #include <fmt/format.h>

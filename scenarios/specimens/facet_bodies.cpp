@@ -6,6 +6,7 @@
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/specimens/scene.hpp"
+#include "systems/output/outer_force.hpp"
 #include "systems/recorder/record_motion.hpp"
 
 #include <fmt/format.h>
@@ -13,38 +14,6 @@
 #include <algorithm>
 
 namespace bris {
-
-namespace {
-
-constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
-
-void require_clumps(const World& world, const char* what) {
-    require(world.table<Bodies>().has<Orientation>(),
-            fmt::format("{}: expected a scene of clumps, found one of single spheres, whose bodies "
-                        "have no orientation",
-                        what));
-}
-
-void require_free(const World& world, EntityId body, const char* what) {
-    require(world.column<Bodies, MotionOf>()[row_of_body(world, body)] == free_motion,
-            fmt::format("{}: expected a free body, found body {}, which is driven", what, body));
-}
-
-/// The list of a body in a resource with `of_body`, which the column Number refers to.
-template <class Number, class Resource>
-auto& list_of(World& world, EntityId body) {
-    world.table<Bodies>().add<Number>();
-    if (!world.has_resource<Resource>()) world.add_resource<Resource>();
-    auto& lists = world.resource<Resource>().of_body;
-    std::uint32_t& number = value_of<Number>(world, body);
-    if (number == 0) {
-        lists.emplace_back();
-        number = static_cast<std::uint32_t>(lists.size());
-    }
-    return lists[number - 1];
-}
-
-} // namespace
 
 EntityId add_facet_body(World& world, const Vec3& position, const Quat& orientation, double mass,
                         const Vec3& inertia, std::uint32_t material,
@@ -95,39 +64,6 @@ EntityId add_block(World& world, const Vec3& position, const Quat& orientation, 
                           block_facets(size));
 }
 
-void add_load(World& world, EntityId body, const Load& load) {
-    require_clumps(world, "load");
-    require_free(world, body, "load");
-    const LoadHistory& h = load.history;
-    require(h.times.size() == h.values.size() &&
-                std::adjacent_find(h.times.begin(), h.times.end(), std::greater_equal<>()) ==
-                    h.times.end(),
-            "load: expected a table of ascending times with a value for each");
-    list_of<LoadOf, Loads>(world, body).push_back(load);
-    world.table<Bodies>().add<LoadForce>();
-}
-
-void add_patch(World& world, EntityId body, const SpringPatch& patch) {
-    require_clumps(world, "spring-dashpot patch");
-    require_free(world, body, "spring-dashpot patch");
-    require(patch.stiffness >= 0 && patch.damping >= 0 && std::abs(patch.axis.norm() - 1) < 1e-12,
-            fmt::format("spring-dashpot patch: expected a stiffness and a damping of at least 0 "
-                        "and an axis of length 1, found {:g} N/m, {:g} N s/m and {:g}",
-                        patch.stiffness, patch.damping, patch.axis.norm()));
-    list_of<PatchesOf, SpringPatches>(world, body).push_back(patch);
-    world.table<Bodies>().add<PatchForce>();
-}
-
-void add_guide(World& world, EntityId body, const Vec3& point, const Vec3& axis, double stiffness,
-               double damping) {
-    add_patch(world, body,
-              {.point = point,
-               .anchor = value_of<Position>(world, body) + point,
-               .axis = axis,
-               .stiffness = stiffness,
-               .damping = damping});
-}
-
 void add_recorder(World& world, EntityId body, const ImuModel& model, const Vec3& gravity,
                   std::uint64_t seed) {
     require_clumps(world, "inertial recorder");
@@ -150,10 +86,7 @@ void add_recorder(World& world, EntityId body, const ImuModel& model, const Vec3
 
 Vec3 contact_force(const World& world, EntityId body) {
     const Row row = row_of_body(world, body);
-    const Table& bodies = world.table<Bodies>();
-    const Vec3 outer = bodies.column<LoadForce>()[row].force +
-                       bodies.column<Mass>()[row] * world.resource<Gravity>().value;
-    return bodies.column<Force>()[row] - bodies.column<PatchForce>()[row].force - outer;
+    return world.column<Bodies, Force>()[row] - OuterForces(world)(row);
 }
 
 void start_recording(World& world) {

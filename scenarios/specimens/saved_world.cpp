@@ -7,7 +7,7 @@
 #include "engine/errors.hpp"
 #include "engine/state.hpp"
 #include "scenarios/specimens/scene.hpp"
-#include "systems/fields/fouling.hpp"
+#include "systems/fields/coupled_fields.hpp"
 
 #include <cmath>
 
@@ -54,7 +54,7 @@ World world_of_state(const Archive& state) {
         elements.add<ElementRadius>();
         world.add_resource(membrane_of(state));
     }
-    if (state.find("fields/settings") != nullptr) add_fouling(world, {});
+    add_saved_fields(world, state);
     load_state(world, state);
     return world;
 }

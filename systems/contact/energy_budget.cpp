@@ -2,9 +2,9 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
-#include "components/load.hpp"
 #include "components/material.hpp"
 #include "components/pair.hpp"
+#include "systems/loads/table.hpp"
 
 namespace bris {
 
@@ -16,8 +16,7 @@ void add_energy_budget(World& world) {
     bodies.add<DampingWork>();
     bodies.add<ScalingWork>();
     bodies.add<BoundaryWork>();
-    if (bodies.has<LoadOf>()) bodies.add<LoadWork>();
-    if (bodies.has<PatchesOf>()) bodies.add<PatchWork>();
+    add_work_of_elements(world);
 }
 
 } // namespace bris

@@ -2,12 +2,12 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
-#include "components/load.hpp"
 #include "components/material.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 #include "systems/contact/stable_step.hpp"
+#include "systems/loads/table.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -61,8 +61,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto inertia = bodies.column<Inertia>();
     const auto inertial_inertia = bodies.column<InertialInertia>();
     InertialMasses masses(bodies);
-    const auto patches =
-        bodies.has<PatchesOf>() ? bodies.column<PatchesOf>() : std::span<std::uint32_t>();
+    const ElementSprings springs(world);
     auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the order of rows
     std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
 
@@ -95,7 +94,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     for (const Row b : rows) {
         double m = factor * stiffness[b].translation;
         double i = factor * stiffness[b].rotation / inertia[b].minCoeff();
-        if (!patches.empty() && patches[b] != 0) { // whose dashpots suit the true mass
+        if (!springs.of(b).empty()) { // whose dashpots suit the true mass
             m = std::max(m, mass[b]);
             i = std::max(i, 1.0);
         }

@@ -34,9 +34,9 @@ struct MassScaling {
 /// mass. A body counts as having at least six contacts, because more may form, and a body of more
 /// than three times the mean radius as many more as its larger surface offers. With dt = 0 the step
 /// is chosen so that the total mass stays the true one. With `only_raise`, scaled masses never
-/// decrease. The weight is that of the true mass. Bodies on springs to the ground keep at least
-/// their true mass, for which their dashpots are made. Dashpots of contacts must follow from a
-/// restitution, so that their ratio of critical damping does not depend on the masses; they read
+/// decrease. The weight is that of the true mass. Bodies on springs of force elements keep at
+/// least their true mass, for which their dashpots are made. Dashpots of contacts must follow from
+/// a restitution, so that their ratio of critical damping does not depend on the masses; they read
 /// the new masses in the next step.
 MassScaling scale_masses(World& world, double dt, double safety, bool only_raise);
 

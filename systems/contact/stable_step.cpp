@@ -4,11 +4,11 @@
 #include "components/body_contacts.hpp"
 #include "components/elasticity.hpp"
 #include "components/kinds.hpp"
-#include "components/load.hpp"
 #include "components/material.hpp"
 #include "components/pair.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
+#include "systems/loads/table.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -118,16 +118,11 @@ private:
     double rolling_ratio_ = 0;
 };
 
-/// The contacts of all kinds, and the springs between bodies and the ground.
+/// The contacts of all kinds, and the springs of force elements.
 class AllTouches {
 public:
     explicit AllTouches(const World& world)
-        : world_(world), spheres_(world), facets_(world), planes_(world), membrane_(world) {
-        const Table& bodies = world.table<Bodies>();
-        if (!bodies.has<PatchesOf>()) return;
-        patches_of_ = bodies.column<PatchesOf>();
-        orientation_ = bodies.column<Orientation>();
-    }
+        : spheres_(world), facets_(world), planes_(world), membrane_(world), springs_(world) {}
     /// Calls visit(touch) for all that a body touches.
     template <class Visit>
     void visit(Row b, Visit&& visit) const {
@@ -135,19 +130,16 @@ public:
         facets_.visit(b, visit);
         planes_.visit(b, visit);
         membrane_.visit(b, visit);
-        if (patches_of_.empty() || patches_of_[b] == 0) return;
-        for (const SpringPatch& p : world_.resource<SpringPatches>().of_body[patches_of_[b] - 1])
-            visit(Touch{p.stiffness, 0, 0, p.damping, 0, orientation_[b] * p.point, p.axis, false});
+        for (const BodySpring& s : springs_.of(b))
+            visit(Touch{s.stiffness, 0, 0, s.damping, 0, s.arm, s.axis, false});
     }
 
 private:
-    const World& world_;
     Touches<SpherePairs> spheres_;
     Touches<FacetPairs> facets_;
     Touches<PlanePairs> planes_;
     Touches<MembranePairs> membrane_;
-    std::span<const std::uint32_t> patches_of_; ///< empty: no springs
-    std::span<const Quat> orientation_;
+    ElementSprings springs_;
 };
 
 /// Stiffness (or damping) matrix of a contact for translation and rotation of its body.

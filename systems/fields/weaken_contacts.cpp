@@ -6,31 +6,48 @@
 #include "components/settings.hpp"
 #include "engine/ordering.hpp"
 #include "engine/parallel.hpp"
+#include "systems/fields/coupled_fields.hpp"
+
+#include <optional>
+#include <tuple>
 
 namespace bris {
 
 namespace {
 
 /// What determines the coefficients of the contacts of two bodies.
-struct Scene {
-    const Materials& materials;
-    const FoulingLaw& law;
-    std::span<const std::uint32_t> material;
-    std::vector<Row> row; ///< by id
-    std::span<const LocalFouling> around;
-
-    WeakenedPair of(EntityId a, EntityId b, bool between_rocks) const {
-        LocalFouling at = around[a];
-        if (between_rocks)
-            at = {0.5 * (at.contaminant + around[b].contaminant),
-                  0.5 * (at.saturation + around[b].saturation)};
-        return {materials.pair(material[row[a]], material[row[b]]), law.friction_factor(at),
-                law.least_friction, law.stiffness_factor(at)};
+class Coefficients {
+public:
+    explicit Coefficients(const World& world)
+        : materials_(world.resource<Materials>()), material_(world.column<Bodies, MaterialOf>()),
+          row_(rows_by_id(world.column<Bodies, BodyId>())) {
+        for_each_field_of(world, [&]<class F>() {
+            std::get<std::optional<typename F::Factors>>(fields_).emplace(world);
+        });
     }
+    std::size_t pairs_of_materials() const { return materials_.pairs_of_materials(); }
+    WeakenedPair of(EntityId a, EntityId b, bool between_rocks) const {
+        ContactFactors all;
+        for_each_field([&]<class F>() {
+            if (const auto& field = std::get<std::optional<typename F::Factors>>(fields_))
+                all.multiply(field->of(a, b, between_rocks));
+        });
+        return {materials_.pair(material_[row_[a]], material_[row_[b]]), all.friction,
+                all.least_friction, all.stiffness};
+    }
+
+private:
+    template <class... Fs>
+    static std::tuple<std::optional<typename Fs::Factors>...> factors_of(FieldList<Fs...>);
+
+    const Materials& materials_;
+    std::span<const std::uint32_t> material_;
+    std::vector<Row> row_; ///< by id
+    decltype(factors_of(CoupledFields{})) fields_;
 };
 
 template <class Pairs>
-void weaken(World& world, const Scene& scene, std::vector<WeakenedPair>& weakened) {
+void weaken(World& world, const Coefficients& coefficients, std::vector<WeakenedPair>& weakened) {
     if (!world.has<Pairs>()) return;
     const auto names = world.column<Pairs, PairKey>();
     const auto rows = world.column<Pairs, PairRows>();
@@ -40,10 +57,10 @@ void weaken(World& world, const Scene& scene, std::vector<WeakenedPair>& weakene
         if (names[k].owner != last.owner || names[k].partner != last.partner) {
             last = names[k];
             const WeakenedPair pair =
-                scene.of(last.owner, last.partner, std::is_same_v<Pairs, SpherePairs>);
+                coefficients.of(last.owner, last.partner, std::is_same_v<Pairs, SpherePairs>);
             law = pair.pair;
             if (pair.friction != 1 || pair.stiffness != 1) {
-                law = static_cast<Row>(scene.materials.pairs_of_materials() + weakened.size());
+                law = static_cast<Row>(coefficients.pairs_of_materials() + weakened.size());
                 weakened.push_back(pair);
             }
         }
@@ -53,26 +70,30 @@ void weaken(World& world, const Scene& scene, std::vector<WeakenedPair>& weakene
     for_rows(near.size(), [&](Row k) { near[k].law = rows[near[k].pair].law; });
 }
 
+std::vector<std::uint64_t> revisions_of(const World& world) {
+    std::vector<std::uint64_t> revisions;
+    for_each_field_of(world, [&]<class F>() {
+        revisions.push_back(world.resource<typename F::Field>().revision);
+    });
+    return revisions;
+}
+
 } // namespace
 
 bool weakening_is_due(const World& world) {
     if (!world.has_resource<Weakening>()) return false;
     const auto& w = world.resource<Weakening>();
-    return !w.done || w.revision != world.resource<Fouling>().revision ||
+    return !w.done || w.revisions != revisions_of(world) ||
            w.rebuilds != world.resource<ListState>().rebuilds;
 }
 
-void weaken_contacts(World& world, const Fouling& fouling, const FoulingLaw& law,
-                     Weakening& weakening) {
+void weaken_contacts(World& world, Weakening& weakening) {
     if (!weakening_is_due(world)) return;
-    auto& materials = world.resource<Materials>();
     std::vector<WeakenedPair> weakened;
-    const Scene scene{materials, law, world.column<Bodies, MaterialOf>(),
-                      rows_by_id(world.column<Bodies, BodyId>()),
-                      world.column<FouledBodies, FoulingAround>()};
-    for_each_kind_of_pair([&]<class Pairs>() { weaken<Pairs>(world, scene, weakened); });
-    materials.weaken(std::move(weakened));
-    weakening = {fouling.revision, world.resource<ListState>().rebuilds, true};
+    const Coefficients coefficients(world);
+    for_each_kind_of_pair([&]<class Pairs>() { weaken<Pairs>(world, coefficients, weakened); });
+    world.resource<Materials>().weaken(std::move(weakened));
+    weakening = {revisions_of(world), world.resource<ListState>().rebuilds, true};
 }
 
 } // namespace bris

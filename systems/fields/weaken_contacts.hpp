@@ -1,25 +1,26 @@
 #pragma once
 
-#include "systems/fields/fouling.hpp"
+#include "engine/world.hpp"
+
+#include <vector>
 
 namespace bris {
 
-/// What the contacts were weakened for last. Derived.
+/// What the contacts were weakened for last, in scenes with fields that act on contacts. Derived.
 struct Weakening {
     static constexpr auto name = "weakening";
-    std::uint64_t revision = 0, rebuilds = 0; ///< of Fouling and of the lists
+    std::vector<std::uint64_t> revisions = {}; ///< of the fields of the scene
+    std::uint64_t rebuilds = 0;                ///< of the lists
     bool done = false;
 };
 
-/// Whether the fouling that contacts see has changed since they were weakened, or new candidates
-/// were made. False without fouling.
+/// Whether the fields that contacts see have changed since these were weakened, or new candidates
+/// were made. False without fields.
 bool weakening_is_due(const World& world);
 
-/// Gives the contacts of every pair of bodies whose fouling weakens them (FoulingLaw) coefficients
-/// of their own, a row behind those of the pairs of materials. Two rocks have the mean of what
-/// surrounds them; at a boundary only the rock counts. Contacts without fines keep the row of their
+/// Gives the contacts of every pair of bodies that fields weaken coefficients of their own, a row
+/// behind those of the pairs of materials. Contacts that no field weakens keep the row of their
 /// materials.
-void weaken_contacts(World& world, const Fouling& fouling, const FoulingLaw& law,
-                     Weakening& weakening);
+void weaken_contacts(World& world, Weakening& weakening);
 
 } // namespace bris

@@ -1,7 +1,5 @@
 #include "systems/fusion/correct.hpp"
 
-#include "systems/fusion/guided_bodies.hpp"
-
 namespace bris {
 
 void accumulate_correction_work(

@@ -5,6 +5,7 @@
 #include "components/sensor.hpp"
 #include "engine/clock.hpp"
 #include "engine/rows.hpp"
+#include "systems/loads/nudging.hpp"
 
 namespace bris {
 

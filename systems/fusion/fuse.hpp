@@ -7,8 +7,8 @@
 #include "engine/clock.hpp"
 #include "engine/rows.hpp"
 #include "systems/fusion/analysis_record.hpp"
-#include "systems/fusion/nudging.hpp"
 #include "systems/fusion/sensor_filter.hpp"
+#include "systems/loads/nudging.hpp"
 
 namespace bris {
 

@@ -1,56 +1,68 @@
 #pragma once
 
-#include "components/body.hpp"
-#include "components/kinds.hpp"
-#include "components/load.hpp"
-#include "components/sensor.hpp"
 #include "components/settings.hpp"
-#include "engine/world.hpp"
+#include "systems/loads/table.hpp"
+
+#include <tuple>
 
 namespace bris {
 
-/// Forces on bodies other than contact forces: weight, loads, spring-dashpot patches, and the
-/// nudging of sensor rocks. Valid as long as the world's tables are not changed.
+/// Forces on bodies other than contact forces: weight, and those of force elements. Valid as long
+/// as the world's tables are not changed.
 class OuterForces {
 public:
     explicit OuterForces(const World& world)
-        : mass_(world.column<Bodies, Mass>().data()), nudging_(column_or_null<Nudging>(world)),
-          load_(column_or_null<LoadForce>(world)), patch_(column_or_null<PatchForce>(world)),
+        : mass_(world.column<Bodies, Mass>().data()),
           gravity_(world.has_resource<Gravity>() ? world.resource<Gravity>().value
                                                  : Vec3(Vec3::Zero())),
-          any_(nudging_ != nullptr || load_ != nullptr || patch_ != nullptr ||
-               world.has_resource<Gravity>()) {}
+          any_(world.has_resource<Gravity>()) {
+        for_each_element_of(world, [&]<class E>() {
+            std::get<Acting<E>>(acting_).value = world.column<Bodies, typename E::Acting>().data();
+            any_ = true;
+        });
+    }
     bool any() const { return any_; }
     /// Force (N) on the body of a row.
     Vec3 operator()(Row row) const {
         Vec3 force = mass_[row] * gravity_;
-        if (nudging_ != nullptr) force += nudging_[row].force;
-        if (load_ != nullptr) force += load_[row].force;
-        if (patch_ != nullptr) force += patch_[row].force;
+        visit(row, [&]<class E>(const Vec3& of_element) { force += of_element; });
         return force;
     }
 
-    /// Sum of the magnitudes of the forces on the body of a row, N; weight and nudging count as
-    /// one.
+    /// Sum of the magnitudes of the forces on the body of a row, N; the weight and what counts as
+    /// weight are one force.
     double magnitude(Row row) const {
-        Vec3 force = mass_[row] * gravity_;
-        if (nudging_ != nullptr) force += nudging_[row].force;
-        double sum = force.norm();
-        if (load_ != nullptr) sum += load_[row].force.norm();
-        if (patch_ != nullptr) sum += patch_[row].force.norm();
+        Vec3 weight = mass_[row] * gravity_;
+        visit(row, [&]<class E>(const Vec3& force) {
+            if constexpr (E::counts_as_weight) weight += force;
+        });
+        double sum = weight.norm();
+        visit(row, [&]<class E>(const Vec3& force) {
+            if constexpr (!E::counts_as_weight) sum += force.norm();
+        });
         return sum;
     }
 
 private:
-    template <class C>
-    static const typename C::Value* column_or_null(const World& world) {
-        return world.table<Bodies>().has<C>() ? world.column<Bodies, C>().data() : nullptr;
+    template <class E>
+    struct Acting {
+        const typename E::Acting::Value* value = nullptr; ///< by row; null: the scene has none
+    };
+    template <class... Es>
+    static std::tuple<Acting<Es>...> acting_of(ElementList<Es...>);
+
+    template <class Visit>
+    void visit(Row row, Visit&& visit) const {
+        for_each_element([&]<class E>() {
+            if (const auto* value = std::get<Acting<E>>(acting_).value)
+                visit.template operator()<E>(value[row].force);
+        });
     }
+
     const double* mass_;
-    const NudgingRow* nudging_;
-    const Wrench *load_, *patch_;
     Vec3 gravity_;
     bool any_;
+    decltype(acting_of(ForceElements{})) acting_;
 };
 
 } // namespace bris

@@ -1,11 +1,11 @@
 #include "systems/output/quantities.hpp"
 
 #include "components/body.hpp"
-#include "components/load.hpp"
 #include "components/material.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
 #include "engine/ordering.hpp"
+#include "systems/loads/table.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/contacts.hpp"
 
@@ -64,17 +64,6 @@ void add_contacts(const World& world, const std::vector<Row>& rows, Quantities& 
 
 } // namespace
 
-double patch_energy(const World& world, Row body) {
-    const Table& bodies = world.table<Bodies>();
-    const std::uint32_t number = bodies.has<PatchesOf>() ? bodies.column<PatchesOf>()[body] : 0;
-    if (number == 0) return 0;
-    double energy = 0;
-    for (const SpringPatch& p : world.resource<SpringPatches>().of_body[number - 1])
-        energy += p.energy(p.displacement(bodies.column<Position>()[body] +
-                                          bodies.column<Orientation>()[body] * p.point));
-    return energy;
-}
-
 Quantities compute_quantities(const World& world) {
     Quantities q;
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
@@ -99,8 +88,8 @@ Quantities compute_quantities(const World& world) {
     if (free_bodies > 0)
         q.coordination = static_cast<double>(q.body_contacts + between_grains) /
                          static_cast<double>(free_bodies);
-    for (const Row b : rows) q.ground_energy += patch_energy(world, b);
-    q.elastic_energy += q.ground_energy;
+    q.element_energy = energy_of_elements(world);
+    q.elastic_energy += q.element_energy;
     q.unbalanced_ratio = compute_balance(world).unbalanced_ratio;
     return q;
 }

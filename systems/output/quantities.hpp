@@ -11,11 +11,11 @@ namespace bris {
 /// kinetic energy.
 struct Quantities {
     double kinetic_energy = 0; ///< J, at the time of the positions, with inertial masses
-    /// J, of normal, tangential and rolling springs, of springs between bodies and the ground, and
-    /// the potential energy of forces that act beyond touch (negative where they attract).
+    /// J, of normal, tangential and rolling springs, of force elements, and the potential energy of
+    /// forces that act beyond touch (negative where they attract).
     double elastic_energy = 0;
-    double ground_energy = 0; ///< J, the part of springs between bodies and the ground
-    double coordination = 0;  ///< touching partners per free body (boundaries count)
+    double element_energy = 0; ///< J, the part of force elements
+    double coordination = 0;   ///< touching partners per free body (boundaries count)
     /// Touching pairs of spheres or of sphere and boundary, without pairs that only a force beyond
     /// touch holds.
     std::size_t contacts = 0;
@@ -37,9 +37,6 @@ struct Quantities {
 
 /// Computes the quantities of the world after the last step. Reads only.
 Quantities compute_quantities(const World& world);
-
-/// Elastic energy (J) of the springs between a body and the ground, at its present position.
-double patch_energy(const World& world, Row body);
 
 /// Mean bounding radius (m) of the free bodies with spheres; NaN where there are none.
 double mean_radius(const World& world);

@@ -1,11 +1,13 @@
-#include "components/load.hpp"
 #include "components/pair.hpp"
 #include "components/sensor.hpp"
 #include "components/settings.hpp"
 #include "components/slab.hpp"
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
+#include "systems/loads/table.hpp"
 #include "systems/sleep/sleep.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <span>
@@ -142,9 +144,6 @@ void add_sleep(World& world, const Sleep& settings) {
         !world.has<Facets>() && !world.has<Elements>(),
         "sleep: expected planes as boundaries, found facets or a membrane, on which bodies cannot "
         "sleep");
-    require(!world.table<Bodies>().has<LoadOf>() && !world.table<Bodies>().has<PatchesOf>(),
-            "sleep: expected no loads and no spring-dashpot patches, found some: they do not wake "
-            "bodies");
     const auto motion = world.column<Bodies, MotionOf>();
     const auto stands = [](std::uint32_t m) {
         return m == static_cast<std::uint32_t>(Motion::free) ||
@@ -154,6 +153,11 @@ void add_sleep(World& world, const Sleep& settings) {
             "sleep: expected fixed boundaries, found one that is driven");
     require(!world.has<Sensors>(),
             "sleep: expected no sensors, found some: corrections would be lost on sleeping bodies");
+    for_each_element_of(world, []<class E>() {
+        require(
+            E::wakes_bodies,
+            fmt::format("sleep: expected no {}, found some: they do not wake bodies", E::plural));
+    });
     Table& bodies = world.table<Bodies>();
     const auto velocity = bodies.column<Velocity>(),
                angular_velocity = bodies.column<AngularVelocity>();

@@ -1,5 +1,6 @@
 #include "engine/state.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
+#include "systems/loads/rail.hpp"
 #include "systems/output/porosity.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/support.hpp"
@@ -86,6 +87,29 @@ World tie_scene() {
     return world;
 }
 
+/// Two ties under a rail, along which an axle rolls, fall on clumps.
+World rail_scene() {
+    World world = bed({.grains = Grains::clumps, .bodies = 40, .seed = seed});
+    const Vec3 box = box_of({.grains = Grains::clumps, .bodies = 40});
+    Rail rail{.bending = 0.02,
+              .pad = 4e3,
+              .retardation = 1e-4,
+              .weight = 1,
+              .axle_positions = {0.2 * box.x()},
+              .axle_loads = {1},
+              .axle_speed = 2};
+    for (const double x : {0.3, 0.7}) {
+        rail.seats.push_back(
+            {.tie =
+                 add_block(world, Vec3(x * box.x(), box.y() / 2, 0.75 * box.z()),
+                           exponential_map(Vec3(0.2, 0.1, 0)), Vec3(0.012, 0.035, 0.012), 0.01, 1),
+             .point = Vec3(0, 0.005, 0.006)});
+        value_of<Velocity>(world, rail.seats.back().tie) = Vec3(0, 0, -1);
+    }
+    add_rail(world, rail);
+    return world;
+}
+
 const std::vector<Scene>& scenes() {
     static const std::vector<Scene> list{
         {"spheres in a box of planes", [] { return bed({.bodies = 120, .seed = seed}); }},
@@ -102,6 +126,7 @@ const std::vector<Scene>& scenes() {
         {"spheres in a membrane", [] { return tube_scene(Grains::spheres); }},
         {"clumps in a membrane", [] { return tube_scene(Grains::clumps); }},
         {"a tie and a plate among clumps, with loads, springs and a sensor", tie_scene},
+        {"ties under a rail among clumps", rail_scene},
         {"locally damped clumps in a box of facets",
          [] {
              World world = bed(

@@ -8,6 +8,7 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/fields/initial_fouling.hpp"
 #include "systems/fusion/fuse.hpp"
+#include "systems/loads/rail.hpp"
 #include "systems/servo/membrane.hpp"
 #include "systems/slabs/slabs.hpp"
 #include "systems/sleep/sleep.hpp"
@@ -67,7 +68,8 @@ void add_plate_on_springs(World& world, const Vec3& middle, double side) {
                        .damping = 2});
 }
 
-/// A tie under a load falls onto clumps; plates on springs lie under them.
+/// Two ties under a rail, one of them under a load, fall onto clumps; plates on springs lie under
+/// them.
 World tie_scene(std::uint64_t seed, unsigned plates = 1) {
     const Tumble tumble{.grains = Grains::clumps, .bodies = 60};
     World world = bed({.grains = Grains::clumps, .bodies = 60, .seed = seed});
@@ -85,6 +87,15 @@ World tie_scene(std::uint64_t seed, unsigned plates = 1) {
              {.force = Vec3(0, 0, -1),
               .point = Vec3(0.002, 0.01, 0),
               .history = {.mean = 1, .amplitude = 0.8, .frequency = 100}});
+    const EntityId next = add_block(world, Vec3(0.9 * box.x(), box.y() / 2, 0.75 * box.z()),
+                                    Quat(Quat::Identity()), Vec3(0.012, 0.035, 0.012), 0.01, 1);
+    add_rail(world, {.bending = 0.02,
+                     .pad = 4e3,
+                     .weight = 1,
+                     .axle_positions = {0.6 * box.x()},
+                     .axle_loads = {1},
+                     .axle_speed = 1,
+                     .seats = {{.tie = tie}, {.tie = next}}});
     return world;
 }
 

@@ -1,7 +1,7 @@
 #include "engine/signal/attitude.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "systems/fusion/fuse.hpp"
-#include "systems/fusion/nudging.hpp"
+#include "systems/loads/nudging.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/about.hpp"
 

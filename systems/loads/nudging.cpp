@@ -1,7 +1,7 @@
-#include "systems/fusion/nudging.hpp"
+#include "systems/loads/nudging.hpp"
 
+#include "engine/clock.hpp"
 #include "engine/signal/attitude.hpp"
-#include "systems/fusion/guided_bodies.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,18 @@
 namespace bris {
 
 namespace {
+
+// The nudging force on a body of inertial mass m (scaled or not), at a displacement d from its
+// target and with a velocity v relative to the target, is
+//     F = S - c v,   S = k d, |S| <= F_max,   c = 2 sqrt(k m),   |F| <= F_max.
+// The distance of a free body from its target decays from rest as (1 + w t) exp(-w t), with
+// w = sqrt(k / m), without overshoot. Because S has a limit of its own, a distant body approaches
+// no faster than F_max / c, and from that speed the dashpot can stop it in time; a limit on the sum
+// alone would not ensure this. v is the velocity at the time of the position and includes the
+// dashpot's own contribution to the kick. This is of second order in dt; the roots of a step are
+// 1 - w dt and 1 / (1 + w dt), so there is no overshoot for w dt up to 1. Torques follow the same
+// formula about each principal axis, with its moment of inertia. In contact, neighbours add mass
+// and stiffness, so the motion is damped more or less than critically.
 
 constexpr double largest_angle = 0.5; // rad, w dt of a spring
 
@@ -35,8 +47,9 @@ Vec3 critically_damped(const Approach& a, double stiffness, double largest, doub
     return at_most(spring - dashpot.cwiseProduct(velocity), largest);
 }
 
-/// Nudging of spheres and clumps, which differ only in the torque. `torque_of`: called with a
-/// body's row and its NudgingRow.
+/// Adds the nudging forces and torques, and accumulates the work of spring and dashpot over the
+/// last step (trapezoidal rule, as for boundaries). Spheres and clumps differ only in the torque.
+/// `torque_of`: called with a body's row and its NudgingRow.
 template <class BodyRows, class TorqueOf>
 void nudge_guided(const BodyRows& bodies, const Clock& clock, TorqueOf&& torque_of) {
     const Vec3 *position = bodies.template column<Position>(),
@@ -66,8 +79,6 @@ void nudge_guided(const BodyRows& bodies, const Clock& clock, TorqueOf&& torque_
         torque[b] += p.torque;
     });
 }
-
-} // namespace
 
 void nudge_spheres(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass,
                         const AngularMomentum, const StepAngularVelocity, const SphereInertia,
@@ -113,6 +124,12 @@ void nudge_clumps(Rows<Bodies, const Guided, const Position, const Velocity, con
         return orientation[b] *
                critically_damped(approach, p.turn_stiffness, p.largest_torque, clock.dt);
     });
+}
+
+} // namespace
+
+StepList Nudging::force_systems() {
+    return {row_local("nudge_spheres", nudge_spheres), row_local("nudge_clumps", nudge_clumps)};
 }
 
 void set_nudging(NudgingRow& row, std::uint32_t& guided, const NudgingTarget& target,
