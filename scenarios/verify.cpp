@@ -2,8 +2,8 @@
 // that fail.
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
-#include "engine/summary.hpp"
 #include "scenarios/verification/cases.hpp"
 #include "scenarios/verification/table.hpp"
 
@@ -42,9 +42,12 @@ void run(const Verify& settings, const Common& common) {
         for (Check& check : verify(names[k])) checks.push_back(std::move(check));
     });
     write_whole(common.out / "verification.csv", csv_of(checks));
-    Summary results;
+    Report results;
     add_checks(results, checks);
-    fmt::print("{}", table_of(checks));
+    const std::string all = (common.out / "verification.csv").string();
+    std::erase_if(checks, [](const Check& check) { return check.passes(); });
+    results.show_sentence(table_of(checks)); // those that fail
+    results.show_sentence("All numbers with their exact values and tolerances are in " + all + ".");
     report_results(common, results);
     if (const std::string failing = names_of_failing(checks); !failing.empty())
         throw SimulationError("verify: these checks fail: " + failing);

@@ -59,7 +59,7 @@ struct Example {
             one->mean = one->low = one->high = {0.7};
     }
     double number(const std::string& key) const {
-        Summary summary;
+        Report summary;
         add_results(summary, test, computed, settings);
         for (const NamedValue& v : summary.entries())
             if (v.key == "110kPa_" + key) return std::get<double>(v.value);
