@@ -7,6 +7,7 @@
 #include "engine/message.hpp"
 #include "engine/not_judged.hpp"
 #include "engine/ranks.hpp"
+#include "engine/report.hpp"
 #include "engine/version.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <fcntl.h>
 #include <new>
@@ -34,11 +36,9 @@ void write_results(const Common& common, const Summary& results) {
 }
 
 void report_results(const Common& common, const Summary& results) {
-    write_results(common, results); // before printing, which fails if stdout is closed
-    results.print(common.scenario);
-    fmt::print("Results are in {}; summary.json holds this table, under the same names, and all "
-               "settings.\n",
-               common.out.string());
+    Report all;
+    all.add(results.entries());
+    report_results(common, all);
 }
 
 } // namespace bris
@@ -147,7 +147,7 @@ struct CommonFlags {
         option("out", common.out, "", "Folder in which the results are written.");
         option("assets", common.assets, "",
                "Folder of clumps, gradings, materials and example recordings. Default: the folder "
-               "assets beside the program, or ../share/bris/assets seen from there.");
+               "assets next to the program, or ../share/bris/assets seen from there.");
         option("seed", common.seed, "", "Seed of every random draw.");
         option(
             "threads", common.threads, "",

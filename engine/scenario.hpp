@@ -34,9 +34,7 @@ struct Common {
 /// Writes scenario, settings and results to summary.json in the folder of the results. Throws
 /// OutputError.
 void write_results(const Common& common, const Summary& results);
-/// The same, and prints the results as a table under the scenario's name, with the same names as in
-/// the file, and a closing line that says where they are. Called when all other files are written
-/// and nothing else is to be printed. Throws OutputError.
+/// The same as a Report that shows all results. Throws OutputError.
 void report_results(const Common& common, const Summary& results);
 
 /// Name and description of a scenario, and which of the common flags it refuses.

@@ -8,8 +8,8 @@
 
 namespace bris {
 
-/// The results of a run as a flat, ordered list of keys (with units as suffix) and values. It is
-/// printed as a table for the user and written as summary.json for programs.
+/// The results of a run as a flat, ordered list of keys (with units as suffix) and values, which is
+/// written as summary.json. What a person sees of it is a Report.
 class Summary {
 public:
     /// Appends an entry. If the key exists already, its value is replaced in its position.
@@ -22,15 +22,10 @@ public:
 
     const std::vector<NamedValue>& entries() const { return entries_; }
 
-    /// A title and two aligned columns; numbers have six significant digits, and "-" stands for one
-    /// that is not known (NaN).
-    std::string table(const std::string& title) const;
     /// One flat JSON object, one line per key. Reading a number back gives the same bits; NaN and
     /// infinity are written as null.
     std::string json() const;
 
-    /// Prints the table to stdout. Throws OutputError if that fails.
-    void print(const std::string& title) const;
     /// Writes these and the version entries as JSON. The file is replaced completely or not at all.
     /// Throws OutputError.
     void write(const std::filesystem::path& file) const;

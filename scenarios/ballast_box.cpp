@@ -8,6 +8,7 @@
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
 #include "engine/ranks.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/ballast_box/cycles.hpp"
@@ -36,7 +37,7 @@ double stiffness_of(double resilient, const BallastBox& box) {
     return 1 / (resilient / (box.peak() - box.least()) + box.series_compliance);
 }
 
-void add_bed(Summary& summary, const World& world) {
+void add_bed(Report& summary, const World& world) {
     const auto& state = world.resource<BoxState>();
     for (std::size_t lift = 0; lift < state.porosity.size(); ++lift) {
         summary.add(fmt::format("lift_{}_porosity", lift + 1), state.porosity[lift]);
@@ -48,7 +49,7 @@ void add_bed(Summary& summary, const World& world) {
 }
 
 /// Results of the fields: of the whole, of each lift, and as files and a picture.
-void add_fouling(Summary& summary, const World& world, const Common& common) {
+void add_fouling(Report& summary, const World& world, const Common& common) {
     add_fouling_results(summary, world);
     const Fouling present = present_fouling(world);
     double low = 0;
@@ -77,7 +78,7 @@ double inertial_share(const Series& samples) {
     return most / std::ranges::max(load);
 }
 
-void add_cycles(Summary& summary, const BallastBox& box, const std::vector<CycleResponse>& first,
+void add_cycles(Report& summary, const BallastBox& box, const std::vector<CycleResponse>& first,
                 const std::vector<CycleResponse>& other) {
     if (first.empty()) return;
     const double range = box.peak() - box.least();
@@ -121,7 +122,7 @@ void write_cycles(const std::filesystem::path& path, const BallastBox& box,
 
 void draw(const World& world, const BallastBox& box, const Series& samples,
           const std::vector<CycleResponse>& first, const Common& common) {
-    Curve loop{.label = "tie 1"}, settlement, stiffness;
+    Curve loop{.label = "tie 1"}, settlement{.label = "tie 1"}, stiffness{.label = "tie 1"};
     const auto &load = samples.column("load_1"), &deflection = samples.column("deflection_1");
     for (std::size_t k = 0; k < load.size(); ++k) {
         loop.x.push_back(1e3 * deflection[k]);
@@ -156,7 +157,7 @@ void draw(const World& world, const BallastBox& box, const Series& samples,
 }
 
 /// What the loading costs, and what 1 000 cycles would take at its speed.
-void add_cost(Summary& summary, const BoxTestRun& test, const StepCount& before,
+void add_cost(Report& summary, const BoxTestRun& test, const StepCount& before,
               const StepCount& after) {
     const double step = (after.wall_time - before.wall_time) /
                         static_cast<double>(std::max<std::uint64_t>(1, after.steps - before.steps));
@@ -168,7 +169,7 @@ void add_cost(Summary& summary, const BoxTestRun& test, const StepCount& before,
 
 /// Levels of one recording, about the mean acceleration: `prefix` tells who recorded. Nothing of a
 /// recording that has hardly begun.
-void add_levels(Summary& summary, const Recording& r, const std::string& prefix,
+void add_levels(Report& summary, const Recording& r, const std::string& prefix,
                 const std::string& name) {
     constexpr std::size_t fewest = 10; // samples
     if (r.size() < fewest) return;
@@ -188,7 +189,7 @@ void add_levels(Summary& summary, const Recording& r, const std::string& prefix,
 
 /// Writes the recordings of the sensor rocks and adds their levels, those by a device without
 /// errors too.
-void write_sensors(Summary& summary, const World& world, const Common& common) {
+void write_sensors(Report& summary, const World& world, const Common& common) {
     if (!world.has_resource<InertialRecorders>()) return;
     const std::vector<Recording> recordings = recordings_of(world),
                                  exact = recordings_of(world, &InertialRecorder::exact);
@@ -205,7 +206,7 @@ void write_sensors(Summary& summary, const World& world, const Common& common) {
                       "that at the end of the run"});
 }
 
-void summarise(Summary& summary, const World& world, const BallastBox& box, const Series& samples,
+void summarise(Report& summary, const World& world, const BallastBox& box, const Series& samples,
                const Common& common) {
     const auto first = cycle_responses(samples, 1), other = cycle_responses(samples, 2);
     std::size_t rocks = 0;
@@ -282,13 +283,21 @@ void run(const BallastBox& box, const Common& common) {
     samples.write_track(frames.file());
     frames.file().close();
 
-    Summary summary;
+    Report summary;
     summarise(summary, world, box, samples, common);
     add_cost(summary, test, before_loading, simulation.count());
     summary.add("time_step_s", world.resource<Clock>().dt);
     summary.add("stable_step_s", last.stable_step());
     add_quantities(summary, last.quantities());
     run.describe(summary);
+    if (!first.empty())
+        summary.show({"cycles_done", "peak_load_kN", "settlement_mm", "settlement_first_cycle_mm",
+                      "resilient_deflection_mm", "track_stiffness_kN_per_mm",
+                      "other_tie_settlement_mm"});
+    summary.show({"rocks", "bed_porosity", "inertial_share_of_load", "bladder_pressure_largest_kPa",
+                  "unbalanced_ratio", "steps", "wall_time_s", "thousand_cycles_at_this_speed_h"});
+    if (world.has_resource<Fouling>())
+        summary.show({"void_contaminant_index_percent", "saturation_percent"});
     report_results(common, summary);
 }
 

@@ -1,7 +1,7 @@
 // A library of clumps: random rocks, or one rock from an STL, OBJ or PLY file, are filled with
 // spheres, and a report states how closely each clump represents its solid.
 #include "engine/errors.hpp"
-#include "engine/scenario.hpp"
+#include "engine/report.hpp"
 #include "scenarios/rocks/make_library.hpp"
 
 #include <fmt/format.h>
@@ -69,8 +69,10 @@ int main(int argc, char** argv) {
             library.fill.restarts = static_cast<int>(settings.restarts);
             library.fill.method =
                 settings.method == "fitted" ? FillMethod::fitted : FillMethod::level_set;
-            const std::string table = describe(make_library(library));
-            fmt::print("{}Results are in {}; report.csv holds this table.\n", table,
-                       common.out.string());
+            Report summary;
+            summary.show_sentence(describe(make_library(library)));
+            summary.show_sentence("More about each clump is in report.csv; lengths are in units of "
+                                  "the sieve size.");
+            report_results(common, summary);
         });
 }

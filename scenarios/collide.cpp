@@ -82,9 +82,8 @@ struct CollideSettings {
                "Coefficient of restitution in the model. Below 0: the true one.", within(-1, 1));
         option.group("Sensor");
         option("filter", filter, "",
-               "Filter that turns measurements into corrections. printed: as printed in the "
-               "SmartRock report. corrected: the same filter without its errors, as an error-state "
-               "filter.",
+               "Filter that turns measurements into corrections. printed: the filter as the "
+               "SmartRock report prints it. corrected: the same filter without its errors.",
                filter_names);
         option("sampling_rate", collide.sampling_rate, "Hz",
                "Sampling rate of the first ball's sensor.", above(0, 1e7));

@@ -3,6 +3,7 @@
 // several amounts of fines are tested on the same specimens.
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "scenarios/field_tests/bed_tests.hpp"
 #include "scenarios/field_tests/grains.hpp"
@@ -104,9 +105,9 @@ public:
     const Series& curve() const { return curve_; }
     ShearProperties properties() const { return properties_of(curve_); }
 
-    Summary summary() const {
+    Report summary() const {
         const ShearProperties p = properties();
-        Summary s;
+        Report s;
         s.add("peak_shear_stress_Pa", p.peak_stress);
         s.add("peak_normal_stress_Pa", p.peak_normal);
         s.add("peak_stress_ratio", p.peak_ratio());
@@ -131,6 +132,9 @@ public:
         if (world.has_resource<Fouling>()) add_fouling_results(s, world);
         if (box_.fines == "grains") s.add("grains", grains_in(world));
         run_->describe(s);
+        s.show({"peak_shear_stress_Pa", "peak_friction_angle_deg", "peak_displacement_m",
+                "residual_friction_angle_deg", "dilation_m", "shear_force_imbalance",
+                "relative_energy_error", "wall_time_s"});
         return s;
     }
 
@@ -167,13 +171,14 @@ std::vector<double> collect(const Runs& runs, double vci, Value&& value) {
     return all;
 }
 
-void add_fits(Summary& summary, const ShearBox& box, const Runs& runs) {
+void add_fits(Report& summary, const ShearBox& box, const Runs& runs) {
     using P = ShearProperties;
     if (box.normal_stress.size() < 2) return;
     const auto add = [&](const std::string& key, const StrengthFit& fit) {
         summary.add(key + "_cohesion_Pa", fit.cohesion);
         summary.add(key + "_friction_angle_fitted_deg", fit.angle);
         summary.add(key + "_power_law_exponent", fit.exponent);
+        summary.show({key + "_cohesion_Pa", key + "_friction_angle_fitted_deg"});
     };
     for (const double vci : box.vci) {
         const std::string key = fmt::format("VCI{:g}_", vci);
@@ -188,7 +193,7 @@ void add_fits(Summary& summary, const ShearBox& box, const Runs& runs) {
 
 /// Relative loss of the stress ratio at the peak and at the end against the tests of the same
 /// specimen with the first amount of fines, mean over the normal stresses.
-void add_losses(Summary& summary, const ShearBox& box, const Runs& runs) {
+void add_losses(Report& summary, const ShearBox& box, const Runs& runs) {
     const auto peak = [](const ShearProperties& p) { return p.peak_ratio(); };
     const auto residual = [](const ShearProperties& p) { return p.residual_ratio(); };
     const auto loss = [](const std::vector<double>& clean, const std::vector<double>& fouled) {
@@ -203,6 +208,7 @@ void add_losses(Summary& summary, const ShearBox& box, const Runs& runs) {
                     loss(collect(runs, from, peak), collect(runs, to, peak)));
         summary.add(key + "residual_loss_percent",
                     loss(collect(runs, from, residual), collect(runs, to, residual)));
+        summary.show({key + "peak_loss_percent", key + "residual_loss_percent"});
     }
 }
 
@@ -277,8 +283,8 @@ void run(const ShearBox& box, const Common& common) {
     Progress progress = make_progress(common);
     const Packing packing = make_packing(box, common, progress_slot(progress, 0));
     progress.pause();
-    fmt::print("specimen of {} rocks: core porosity {:.4f}, as poured {:.4f}\n", packing.rocks,
-               packing.core_porosity, packing.poured_porosity);
+    report_news(common, fmt::format("specimen of {} rocks: core porosity {:.4f}, as poured {:.4f}",
+                                    packing.rocks, packing.core_porosity, packing.poured_porosity));
     const Runs runs = run_tests(
         tests, 1 + box.displacement / box.interval, common, progress,
         [&](const ShearTest& test, unsigned threads, const ReportProgress& report) {
@@ -286,11 +292,12 @@ void run(const ShearBox& box, const Common& common) {
         });
     draw(box, runs, common);
     write_table(common.out / "tests.csv", runs);
-    Summary all;
+    Report all;
     all.add("rocks", packing.rocks);
     all.add("box_over_largest_rock", std::min(box.length, box.width) / packing.largest_rock);
     all.add("core_porosity", packing.core_porosity);
     all.add("poured_porosity", packing.poured_porosity);
+    all.show({"rocks", "box_over_largest_rock", "core_porosity"});
     add_fits(all, box, runs);
     add_losses(all, box, runs);
     add_results_of_tests(all, runs);

@@ -12,7 +12,7 @@
 #include "engine/memory.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
-#include "engine/scenario.hpp"
+#include "engine/report.hpp"
 #include "scenarios/bulk/bulk_run.hpp"
 #include "scenarios/specimens/lattice.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
@@ -177,7 +177,7 @@ std::vector<Turn> turning_points(const std::vector<double>& time, const std::vec
 void report(const DrumTest& t, BulkRun& run) {
     const Series& series = run.series();
     const auto &time = series.column("time"), &zone2 = series.column("zone2_m1");
-    Summary summary;
+    Report summary;
     const auto turns = turning_points(time, zone2, 0.05 * t.small_spheres);
     // The spheres in zone 2 at the start rise with the wall a little and return as the first peak.
     // References are heights of peaks and times of troughs of M1 in zone 2, by LIGGGHTS from the
@@ -203,6 +203,7 @@ void report(const DrumTest& t, BulkRun& run) {
     }
     for (const char* column : {"zone1_m1", "zone1_m2", "zone2_m1", "zone2_m2"})
         summary.add(fmt::format("{}_at_end", column), series.column(column).back());
+    summary.show({"zone1_m1_at_end", "zone1_m2_at_end", "zone2_m1_at_end", "zone2_m2_at_end"});
     summary.add("contact_time_over_step",
                 hertz_contact_time(t.small_radius, 2500, t.bulk.bed.stiffness * 1e9, 1) /
                     t.bulk.bed.step);

@@ -5,6 +5,7 @@
 // there.
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/report.hpp"
 #include "engine/stopwatch.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/forecast/forecast_results.hpp"
@@ -34,13 +35,14 @@ struct Forecast {
     void describe(auto& option) {
         option.group("Forecast");
         option("ensemble", ensemble, "",
-               "Folder of results of a run that has made the ensemble. Default: it is made anew.");
-        option("members", design.members, "", "Members of the ensemble.", within(6, 200));
+               "Folder of results of a run that has made the ensemble. Default: it is made again.");
+        option("members", design.members, "", "Number of members of the ensemble.", within(6, 200));
         option("train", train, "",
                "Train whose passage was recorded: inspection, passenger, freight (assets/trains), "
                "or the path of a CSV file with the columns position_m and axle_load_kN.");
         option("run_in", run_in, "",
-               "Passages of that train before the recorded one: a new bed settles at first.",
+               "Number of passages of that train before the recorded one, in which the new bed "
+               "settles.",
                within(0, 100));
         option("next_train", next_train, "", "Train that comes next, in the same form.");
         option(
@@ -103,11 +105,6 @@ std::vector<std::string> sensors_of(const Forecast& f, const Common& common) {
     return names;
 }
 
-void print(const std::string& text) {
-    fmt::print("{}\n", text);
-    std::fflush(stdout);
-}
-
 FolderOfMovements given_movements(const Forecast& f, const Train& train,
                                   const std::vector<std::string>& names) {
     if (!std::filesystem::is_directory(f.recordings))
@@ -162,7 +159,8 @@ void run_forecast(const Forecast& f, const Common& common) {
     const bool simulated = f.recordings.empty();
     FolderOfMovements given;
     if (!simulated) given = given_movements(f, before.back(), names);
-    for (const JudgedRecording& r : given.recordings) print(sentence_of(r, names[r.sensor]));
+    for (const JudgedRecording& r : given.recordings)
+        report_news(common, sentence_of(r, names[r.sensor]));
     take_over(common);
     ForecastResults results{
         .names = names,
@@ -185,20 +183,23 @@ void run_forecast(const Forecast& f, const Common& common) {
     const Instant began = this_instant();
     forecast(results, members, trains, given.movements, f, common);
     const double wall_time = seconds_since(began);
-    for (const JudgedRecording& r : given.recordings) print(sentence_of(r, names[r.sensor]));
-    print(sentence_of(results));
+    report_news(common, sentence_of(results));
     if (simulated)
         results.found =
             make_site(f.design, f.site_seed, trains, common, {"--resume", of_site}).passages.back();
     write_probabilities(common.out / "probabilities.csv", results);
     draw_forecast(common.out / "forecast.png", results);
-    Summary summary;
+    Report summary;
     add_forecast(summary, results);
     summary.add("packings_redrawn", redrawn);
     summary.add("forecast_wall_time_s", wall_time);
     for (const int headway : {10, 30, 60})
         summary.add(fmt::format("in_time_for_headway_of_{}_min", headway),
                     wall_time < 60 * headway);
+    summary.show({"forecast_wall_time_s"});
+    for (const JudgedRecording& r : given.recordings)
+        summary.show_sentence(sentence_of(r, names[r.sensor]));
+    summary.show_sentence(sentence_of(results));
     report_results(common, summary);
 }
 

@@ -16,7 +16,7 @@
 #include "engine/memory.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
-#include "engine/scenario.hpp"
+#include "engine/report.hpp"
 #include "scenarios/bulk/bulk_run.hpp"
 #include "scenarios/specimens/lattice.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
@@ -193,12 +193,13 @@ void report(const ImpactTest& t, BulkRun& run) {
     const auto &time = series.column("time"), &depth = series.column("displacement");
     const auto least = std::ranges::min_element(depth);
     const BedHeight& height = run.world().resource<BedHeight>();
-    Summary summary;
+    Report summary;
     summary.add("least_displacement_m", *least);
     summary.add("time_of_least_displacement_s",
                 time[static_cast<std::size_t>(least - depth.begin())]);
     summary.add("final_displacement_m", depth.back());
     summary.add("final_speed_m_per_s", std::abs(series.column("velocity").back()));
+    summary.show({"least_displacement_m", "final_displacement_m", "final_speed_m_per_s"});
     summary.add("bed_mean_height_m", height.mean);
     summary.add("bed_height_below_ball_m", height.top);
     const double volume = t.spheres * pi / 6 * std::pow(t.diameter, 3);
@@ -214,6 +215,7 @@ void report(const ImpactTest& t, BulkRun& run) {
         summary.add("reference_least_displacement_liggghts_m", r.liggghts);
         summary.add("reference_least_displacement_musen_m", r.musen);
         summary.add("least_displacement_error", *least / (0.5 * (r.liggghts + r.musen)) - 1);
+        summary.show({"least_displacement_error"});
         if (!r.time.empty())
             curves.push_back({.label = "MUSEN",
                               .x = r.time,

@@ -38,27 +38,32 @@ struct Demo {
         option("recordings", recordings, "",
                "Folder with recordings.csv and test.csv of a test at 55 kPa; the folder above it "
                "has the metadata of the sensors.");
-        option("history", history, "",
-               "Log (stream.ndjson) of live_triaxial or monitor: the page shows again what came "
-               "over the broker then, and no model runs.");
+        option(
+            "history", history, "",
+            "Log (stream.ndjson) of a run of live_triaxial or monitor. The page shows again what "
+            "came over the broker in that run, and no model runs.");
         option("speed", speed, "", "Speed of the replay relative to the times of the records.",
                within(0.01, 1e4));
         option("final_axial_strain", final_strain, "", "Axial strain at which the model ends.",
                within(0.001, 0.08));
-        option("bodies", bodies, "", "Number of rocks in the model, besides the sensor rocks.",
+        option("bodies", bodies, "", "Number of rocks in the model, sensor rocks included.",
                within(20, 1e5));
         option("preparation", preparation, "",
-               "Core porosity of the model's specimen, that of the recorded test: report, 0.32, or "
-               "laboratory, 0.38.",
+               "Core porosity of the model's specimen, which should be that of the recorded test: "
+               "report is 0.32, laboratory is 0.38.",
                {"laboratory", "report"});
         option("taps", taps, "", "Smallest number of taps with which its preparation ends.",
                within(0, 1000));
         option("members", members, "", "Number of ensemble members.", within(6, 1000));
-        option("host", host, "",
-               "Address on which the page and its websockets listen. Anybody who can reach another "
-               "one than the loopback can read and send.");
+        option(
+            "host", host, "",
+            "Address on which the page and its websockets listen. With another address than that "
+            "of the loopback, anybody who can reach this computer can read and send.");
         option("port", port, "", "Port of the page. 0: a free one.", within(0, 65535));
-        option("start_after", start, "s", "Time between the model's start and the replay's.",
+        option("start_after", start, "s",
+               "Time that passes before the replay begins, after the model has made its specimen "
+               "(with "
+               "--history: after the page is there).",
                within(0, 1e6));
         option("keep", keep, "s", "Time for which the page stays after the end.", within(0, 1e7));
     }

@@ -7,9 +7,8 @@
 #include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/message.hpp"
-#include "engine/scenario.hpp"
+#include "engine/report.hpp"
 #include "engine/stopwatch.hpp"
-#include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
@@ -153,6 +152,7 @@ public:
         source_ = prepare_stream(s_, common);
     }
     void run();
+    void show_answers(Report& summary, const RecordedTest& measured) const;
     void report();
 
 private:
@@ -184,7 +184,8 @@ private:
     std::optional<Simulation> at_start_; // has the shapes of the rocks
     BodyFrame first_frame_;
     std::vector<std::vector<double>> rows_;
-    std::string verdict_;           // of quality control, as printed last
+    std::string verdict_;           // of quality control, as reported last
+    std::string not_compared_;      // why there is no comparison with the model alone
     std::vector<double> latencies_; // s, from the machine's record to the analysis
     std::size_t records_ = 0;
 };
@@ -193,7 +194,7 @@ const std::vector<RunFile::Column> columns{
     {"axial_strain"},       {"q", "Pa"},         {"volumetric_strain"},        {"friction"},
     {"friction_deviation"}, {"stiffness_ratio"}, {"stiffness_ratio_deviation"}};
 
-/// Adds a row to the run file for each stage. Every 0.1 % of strain it prints a line, and the
+/// Adds a row to the run file for each stage. Every 0.1 % of strain it reports a line, and the
 /// verdict on the recordings if it has changed, and writes the table of all stages so far.
 void LiveRun::record_stage(const RecordedTest& so_far, double latest) {
     const TriaxialPoint& now = model_->state().points.back();
@@ -209,18 +210,18 @@ void LiveRun::record_stage(const RecordedTest& so_far, double latest) {
               {"axial_strain", "q_Pa", "volumetric_strain", "friction", "friction_deviation",
                "stiffness_ratio", "stiffness_ratio_deviation", "latency_s"},
               rows_, {}, 6);
-    if (common_.quiet) return;
     progress_.pause();
     if (std::string verdict = verdict_on(so_far); verdict != verdict_) {
-        fmt::print("{:6.2f} %  {}\n", 100 * now.axial_strain, verdict);
+        report_news(common_, fmt::format("{:6.2f} %  {}", 100 * now.axial_strain, verdict));
         verdict_ = std::move(verdict);
     }
-    fmt::print(
-        "{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}\n",
-        100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
-        rows_.back()[5], rows_.back()[6],
-        std::isnan(latest) ? "  (no new record)" : fmt::format("  latency {:.3f} s", latest));
-    std::fflush(stdout);
+    report_news(
+        common_,
+        fmt::format(
+            "{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}",
+            100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
+            rows_.back()[5], rows_.back()[6],
+            std::isnan(latest) ? "  (no new record)" : fmt::format("  latency {:.3f} s", latest)));
 }
 
 /// Predicts the rest of the test by the library at each of its strains.
@@ -228,12 +229,10 @@ void LiveRun::predict(const RecordedTest& so_far) {
     const double before = prediction_->rings().strain;
     if (!prediction_->update(model_->strain(), so_far)) return;
     prediction_->write(common_.out);
-    if (common_.quiet) return;
     progress_.pause();
-    fmt::print("          {}\n", described(prediction_->last()));
+    report_news(common_, "          " + described(prediction_->last()));
     if (prediction_->rings().strain > before)
-        fmt::print("          {}\n", described(prediction_->rings()));
-    std::fflush(stdout);
+        report_news(common_, "          " + described(prediction_->rings()));
 }
 
 /// Writes the positions of all rocks in the analysis, and flushes them to disk with all rows so
@@ -275,7 +274,7 @@ void LiveRun::follow() {
 void LiveRun::prepare() {
     prediction_.emplace(s_.library, common_.settings, test_settings_.core_porosity(),
                         test_settings_.confining_pressure);
-    if (!prediction_->reason().empty()) fmt::print("{}\n", described(prediction_->last()));
+    if (!prediction_->reason().empty()) report_news(common_, described(prediction_->last()));
     preparation_.emplace(
         [this](const std::string& doing, double left) {
             if (broker_) broker_->report_doing(doing, left);
@@ -332,11 +331,10 @@ void LiveRun::run() {
     test_.emplace(lines(), infos_, live);
     progress_.pause();
     if (broker_) broker_->report_doing("ready, waiting for the first record of the test machine");
-    if (!common_.quiet)
-        fmt::print("ready, reading records from {}\n",
-                   s_.stream == "-"    ? "standard input"
-                   : s_.stream.empty() ? "the broker " + s_.broker.client.address
-                                       : s_.stream.string());
+    report_news(common_, "ready, reading records from " +
+                             (s_.stream == "-"    ? "standard input"
+                              : s_.stream.empty() ? "the broker " + s_.broker.client.address
+                                                  : s_.stream.string()));
     const SavesWhenInterrupted saves("continue with --resume " + common_.out.string());
     try {
         follow();
@@ -351,8 +349,23 @@ void LiveRun::run() {
                 .front();
     progress_.pause();
     if (!free_ || free_->stopped.empty()) return;
-    fmt::print("no comparison with the model alone: {}\n", free_->stopped);
+    not_compared_ = free_->stopped;
     free_.reset();
+}
+
+/// Shows what was learned, what the sensors contributed, and how far to trust it.
+void LiveRun::show_answers(Report& summary, const RecordedTest& measured) const {
+    summary.show({"learned_friction", "learned_friction_deviation", "learned_stiffness_ratio",
+                  "learned_stiffness_ratio_deviation", "analysis_rmse_q_Pa", "forecast_rmse_q_Pa"});
+    if (free_) summary.show({"DEM_only_rmse_q_Pa"});
+    summary.show({"records", "latency_median_s", "latency_largest_s"});
+    if (prediction_->last().not_used.empty())
+        summary.show({"library_friction", "library_distance"});
+    summary.show_sentence(described(prediction_->last()));
+    summary.show_sentence(verdict_on(measured));
+    if (!not_compared_.empty())
+        summary.show_sentence("no comparison with the model alone: " + not_compared_);
+    summary.show_sentence("What each sensor observes is in quality_control.txt.");
 }
 
 void LiveRun::report() {
@@ -370,8 +383,8 @@ void LiveRun::report() {
     write_estimates(common_.out / "learned.csv", model_->estimates());
     draw_live(common_.out / "live_triaxial.png",
               {&measured.measured, free_ ? &free_->points : nullptr, &model_->state().points},
-              rows_, *prediction_);
-    Summary summary;
+              rows_, *prediction_, s_.learning.final_strain);
+    Report summary;
     summary.add(describe(model_->estimate()));
     const auto add = [&](const char* name, const ModelRun& run) {
         const Misfit m = misfit_of(run, measured);
@@ -419,7 +432,7 @@ void LiveRun::report() {
         summary.add("library_update_median_s", quantile(prediction_->times(), 0.5));
         summary.add("library_update_largest_s", quantile(prediction_->times(), 1));
     }
-    fmt::print("{}\n", found);
+    show_answers(summary, measured);
     report_results(common_, summary);
 }
 

@@ -3,8 +3,7 @@
 
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
-#include "engine/scenario.hpp"
-#include "engine/summary.hpp"
+#include "engine/report.hpp"
 #include "scenarios/assimilation/library_use.hpp"
 #include "scenarios/assimilation/material_estimate.hpp"
 #include "scenarios/recordings/machine_file.hpp"
@@ -64,15 +63,15 @@ void require_size(const SpecimenLibrary& library, double diameter) {
                         low.diameter, high.diameter, diameter));
 }
 
-void add_band(Summary& summary, const std::string& name, const std::string& unit,
+void add_band(Report& summary, const std::string& name, const std::string& unit,
               const NumberWithBand& n) {
     summary.add(name + unit, n.value);
     summary.add(name + "_low" + unit, n.low);
     summary.add(name + "_high" + unit, n.high);
 }
 
-Summary card_of(const MaterialEstimate& e, const SpecimenLibrary& library) {
-    Summary card;
+Report card_of(const MaterialEstimate& e, const SpecimenLibrary& library) {
+    Report card;
     add_band(card, "friction", "", e.card.friction);
     add_band(card, "clump_stiffness", "_N_per_m", e.card.clump_stiffness);
     add_band(card, "core_porosity", "", e.card.core_porosity);
@@ -103,27 +102,44 @@ Summary card_of(const MaterialEstimate& e, const SpecimenLibrary& library) {
 }
 
 /// The records of the test, without those that no machine can have measured. Throws InputError if
-/// strain or stress are refused; what else is left out is printed.
-std::vector<TriaxialPoint> checked_records(const CardRun& s) {
+/// strain or stress are refused; notes about what else is left out go to `left_out`.
+std::vector<TriaxialPoint> checked_records(const CardRun& s, std::vector<Finding>& left_out) {
     auto points = read_machine_file("--test", s.test, "--columns", s.columns);
     for (const Finding& f : check_machine(points, s.pressure)) {
         const bool needed = f.check == "axial_strain" || f.check == "deviatoric_stress_Pa";
         require(!needed || f.kind == Finding::Kind::note,
                 fmt::format("--test: {}: {}: {}", s.test.string(), f.check, f.text));
-        fmt::print("Note: {}: {}\n", f.check, f.text);
+        left_out.push_back(f);
     }
     return points;
 }
 
+/// Shows the estimate with its bands, the predicted tests, and how far the card can be trusted.
+void show(Report& card, const MaterialEstimate& e, const SpecimenLibrary& library) {
+    card.show({"friction", "clump_stiffness_N_per_m", "core_porosity"});
+    for (const PredictedTest& t : e.tests)
+        card.show({folder_of(t.pressure) + "_largest_smoothed_q_Pa"});
+    card.show({"strain_used", "library_distance"});
+    if (e.further_tests.size() > 1) card.show({"most_telling_further_test"});
+    card.show_sentence(fmt::format(
+        "The card holds for rocks as those of the library ({} rocks of {}), with friction {} to {} "
+        "and stiffness {} to {} times its own. The bands are those of 90 %.",
+        setting_of(library, "bodies"), setting_of(library, "grading"),
+        setting_of(library, "lowest_friction"), setting_of(library, "highest_friction"),
+        setting_of(library, "lowest_stiffness"), setting_of(library, "highest_stiffness")));
+    for (const std::string& note : e.notes) card.show_sentence(fmt::format("Note: {}.", note));
+}
+
 void run(const CardRun& s, const Common& common) {
-    TestOfMaterial test{measured_test(checked_records(s)), s.pressure, s.porosity,
+    std::vector<Finding> left_out;
+    TestOfMaterial test{measured_test(checked_records(s, left_out)), s.pressure, s.porosity,
                         s.learning_strain > 0 ? s.learning_strain : 1};
     const SpecimenLibrary library = read_library(s.library);
     require(!library.specimens.empty(), "--library: expected specimens, found none");
     require_size(library, s.diameter);
     const MaterialEstimate e = estimate_material(library, test);
     write_material_card(common.out / "card.csv", e.card);
-    const Summary card = card_of(e, library);
+    const Report card = card_of(e, library);
     card.write(common.out / "card.json");
     for (const PredictedTest& t : e.tests) {
         TestPrediction predicted;
@@ -133,13 +149,11 @@ void run(const CardRun& s, const Common& common) {
     }
     write_further_tests(common.out / "further_tests.csv", e);
     draw_material(common.out / "card.png", e, test);
-    fmt::print("The card holds for rocks as those of the library ({} rocks of {}), with friction "
-               "{} to {} and stiffness {} to {} times its own.\n",
-               setting_of(library, "bodies"), setting_of(library, "grading"),
-               setting_of(library, "lowest_friction"), setting_of(library, "highest_friction"),
-               setting_of(library, "lowest_stiffness"), setting_of(library, "highest_stiffness"));
-    for (const std::string& note : e.notes) fmt::print("Note: {}.\n", note);
-    report_results(common, card);
+    Report shown = card;
+    show(shown, e, library);
+    for (const Finding& f : left_out)
+        shown.show_sentence(fmt::format("Note: {}: {}", f.check, f.text));
+    report_results(common, shown);
 }
 
 } // namespace

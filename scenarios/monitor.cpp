@@ -3,9 +3,8 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/not_judged.hpp"
-#include "engine/scenario.hpp"
+#include "engine/report.hpp"
 #include "engine/signal/fft.hpp"
-#include "engine/summary.hpp"
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
@@ -296,12 +295,10 @@ private:
 
     void add(PassageResult result, const std::vector<std::uint64_t>& replaces = {}) {
         publish(result);
-        if (!common_.quiet) {
-            const OverallVerdict v = overall_verdict({result});
-            fmt::print("{}{}: {}: {}\n", result.name, result.is_final ? "" : " (provisional)",
-                       text_of(v.verdict), v.reason);
-            std::fflush(stdout);
-        }
+        const OverallVerdict v = overall_verdict({result});
+        report_news(common_, fmt::format("{}{}: {}: {}", result.name,
+                                         result.is_final ? "" : " (provisional)",
+                                         text_of(v.verdict), v.reason));
         log_->add(std::move(result), replaces);
         if (broker_)
             broker_->report_doing(
@@ -352,12 +349,15 @@ private:
         if (broker_) broker_->finish();
         write_page(common_.out, report());
         draw_pictures(common_.out, report());
-        Summary summary;
+        Report summary;
         add_results(summary, report());
         const double used = processor_time() - began_;
         summary.add("recorded_time_s", recorded_);
         summary.add("processor_time_s", used);
         summary.add("processor_share", recorded_ > 0 ? used / recorded_ : std::nan(""));
+        summary.show({"recorded_time_s"});
+        summary.show_sentence(
+            fmt::format("The page for people is {}.", (common_.out / "monitor.html").string()));
         report_results(common_, summary);
         if (m_.required != "all") return;
         if (const std::string left = not_judged(report()); !left.empty())
@@ -396,7 +396,7 @@ int main(int argc, char** argv) {
         argc, argv,
         {.name = "monitor",
          .description = "Compares recordings of SmartRocks under trains with a baseline and says "
-                        "whether the ballast beside them has changed.",
+                        "whether the ballast around them has changed.",
          .cannot_explain = "it runs no time steps"},
         bris::run);
 }

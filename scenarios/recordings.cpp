@@ -5,8 +5,7 @@
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
-#include "engine/scenario.hpp"
-#include "engine/summary.hpp"
+#include "engine/report.hpp"
 #include "scenarios/recordings/draw_recordings.hpp"
 #include "scenarios/recordings/new_recordings.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
@@ -99,7 +98,7 @@ double duration_of(const RecordedTest& test, double rest) {
 /// of each sensor.
 void judge_test(const Judged& s, double pressure, const std::vector<SensorInfo>& infos,
                 const std::vector<std::string>& problems, const Common& common, std::string& report,
-                Summary& summary) {
+                Report& summary) {
     RecordedTest test = read_recorded_test(s.recordings, pressure, infos, s.quality_control);
     for (std::size_t k = 0; k < infos.size(); ++k)
         if (!problems[k].empty())
@@ -112,10 +111,13 @@ void judge_test(const Judged& s, double pressure, const std::vector<SensorInfo>&
                           quality_control_report(test),
                           observability_report(test, duration_of(test, s.quality_control.rest),
                                                s.displacement_deviation, s.rotation_deviation));
-    fmt::print("{}: {}\n", name, verdict_on(test));
-    summary.add(name + "_sensors_accepted", test.recordings.size() - test.refused());
-    summary.add(name + "_sensors_refused", test.refused());
-    summary.add(name + "_machine_channels_refused", refused_channels(test));
+    Report own;
+    own.add("sensors_accepted", test.recordings.size() - test.refused());
+    own.add("sensors_refused", test.refused());
+    own.add("machine_channels_refused", refused_channels(test));
+    own.show({"sensors_accepted", "sensors_refused", "machine_channels_refused"});
+    summary.add_part(name, own);
+    summary.show_sentence(fmt::format("{}: {}", name, verdict_on(test)));
 }
 
 void judge(const Judged& s, const Common& common) {
@@ -123,7 +125,7 @@ void judge(const Judged& s, const Common& common) {
     const auto infos = read_sensor_infos(s.recordings);
     const auto problems = // as smart_triaxial finds them
         problems_of_recorded_poses(with_recorded_poses(s.model, s.recordings), common.seed);
-    Summary summary;
+    Report summary;
     std::string report;
     std::exception_ptr unreadable; // of the first test that cannot be read; the others are judged
     for (const double pressure : pressures) {
@@ -132,14 +134,16 @@ void judge(const Judged& s, const Common& common) {
         } catch (const Interrupted&) {
             throw;
         } catch (const Error& e) {
-            if (pressures.size() > 1) fmt::print("{}: {}\n", folder_of(pressure), e.what());
+            if (pressures.size() > 1)
+                summary.show_sentence(fmt::format("{}: {}", folder_of(pressure), e.what()));
             if (!unreadable) unreadable = std::current_exception();
         }
     }
     if (report.empty()) std::rethrow_exception(unreadable);
     const auto file = common.out / "quality_control.txt";
     write_whole(file, report);
-    fmt::print("The reasons, and what each sensor observes, are in {}.\n", file.string());
+    summary.show_sentence("The reasons, and what each sensor observes, are in " + file.string() +
+                          ".");
     report_results(common, summary);
     if (unreadable) std::rethrow_exception(unreadable);
 }

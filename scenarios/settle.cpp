@@ -1,6 +1,7 @@
 // Spheres settle in a box under gravity. This is the bed on which speed is measured.
 #include "engine/io/series.hpp"
 #include "engine/memory.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/last_quantities.hpp"
@@ -49,7 +50,7 @@ Simulation make_simulation(const Settle& settings, const Common& common) {
     require_memory("spheres", bed.spheres, bytes_of_spheres(bed.spheres), common.memory_limit);
     World world = make_sphere_bed(bed);
     const bool starts = common.resume.empty(), relaxes = starts && settings.relax;
-    if (relaxes && !common.explain) relax_start(world, law, common.threads);
+    if (relaxes && !common.explain) relax_start(world, law, common);
     Simulation simulation = start(std::move(world), {.law = law,
                                                      .threads = common.threads,
                                                      .schedule = {.serial = common.serial},
@@ -114,7 +115,7 @@ void run(const Settle& settings, const Common& common) {
     motion.write_csv(common.out / "settle.csv");
     motion.write_track(frames.file());
     frames.file().close();
-    Summary summary;
+    Report summary;
     const StepCount& count = simulation.count();
     summary.add("particle_steps_per_s",
                 static_cast<double>(count.steps) * settings.bed.spheres / count.wall_time);
@@ -126,6 +127,8 @@ void run(const Settle& settings, const Common& common) {
     summary.add("rebuilds", world.resource<ListState>().rebuilds);
     summary.add("prunes", world.resource<ListState>().prunes);
     run.describe(summary);
+    summary.show({"floor_force_over_weight", "coordination", "contacts", "largest_overlap_m",
+                  "unbalanced_ratio", "steps", "wall_time_s", "particle_steps_per_s"});
     report_results(common, summary);
 }
 

@@ -12,7 +12,7 @@
 #include "engine/estimation/linear_fit.hpp"
 #include "engine/memory.hpp"
 #include "engine/random.hpp"
-#include "engine/scenario.hpp"
+#include "engine/report.hpp"
 #include "scenarios/bulk/bulk_run.hpp"
 #include "scenarios/specimens/lattice.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
@@ -183,7 +183,7 @@ double beverloo_rate(const SiloTest& t, double orifice_radius) {
     return 0.58 * 0.6 / volume * std::sqrt(9.81) * std::pow(open, 2.5);
 }
 
-void add_rates(Summary& summary, const SiloTest& t, const Series& series) {
+void add_rates(Report& summary, const SiloTest& t, const Series& series) {
     const auto &time = series.column("time"), &above = series.column("above");
     // leave out the last spheres, which have no head of grains above them
     const auto last =
@@ -203,6 +203,8 @@ void add_rates(Summary& summary, const SiloTest& t, const Series& series) {
     summary.add("discharge_rate_first_half_per_s", -fit_line(time, above, from, middle).slope);
     summary.add("discharge_rate_second_half_per_s", -fit_line(time, above, middle, to).slope);
     summary.add("beverloo_rate_per_s", beverloo_rate(t, silo_of(t).orifice_radius));
+    summary.show(
+        {"discharge_rate_per_s", "discharge_rate_standard_error_per_s", "beverloo_rate_per_s"});
     if (t.material == "M1" && t.diameter == 0.004) {
         const double reference = t.orifice == "large" ? reference_large : reference_small;
         summary.add("reference_rate_per_s", reference);
@@ -222,7 +224,7 @@ void report(const SiloTest& t, BulkRun& run) {
     const Series& series = run.series();
     const auto &time = series.column("time"), &above = series.column("above"),
                &out = series.column("out");
-    Summary summary;
+    Report summary;
     add_rates(summary, t, series);
     const auto almost = std::ranges::find_if(above, [&](double n) { return n < 0.01 * t.spheres; });
     summary.add("time_to_one_percent_left_s",
@@ -230,6 +232,7 @@ void report(const SiloTest& t, BulkRun& run) {
                                       : time[static_cast<std::size_t>(almost - above.begin())]);
     summary.add("spheres_above", above.back());
     summary.add("spheres_out", out.back());
+    summary.show({"spheres_above", "spheres_out"});
     summary.add("contact_time_over_step",
                 hertz_contact_time(t.diameter / 2, t.material == "M1" ? 2500 : 2000,
                                    t.bulk.bed.stiffness * (t.material == "M1" ? 1e9 : 0.5e9), 1) /

@@ -6,9 +6,8 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/whole_file.hpp"
-#include "engine/scenario.hpp"
+#include "engine/report.hpp"
 #include "engine/stopwatch.hpp"
-#include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
@@ -164,6 +163,7 @@ private:
             runs += 1 + (t.by_library() ? static_cast<double>(t.members.size()) : 1);
         return runs * points_to(s_.triaxial.test.final_axial_strain);
     }
+    void show_trust(Report& summary) const;
     void show(std::size_t test, const World& world, const TriaxialPoint& point);
     std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
 
@@ -193,7 +193,7 @@ void Computation::predict_from_library() {
     LibraryOfFile read = read_fitting_library(s_.library, models);
     library_file_ = std::move(read.file);
     library_ = std::move(read.library);
-    fmt::print("library of specimens: {}\n", library_file_.string());
+    report_news(common_, "library of specimens: " + library_file_.string());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const std::string folder = folder_of(tests_[k].pressure);
         const RecordedTest& test = tests_[k];
@@ -201,23 +201,22 @@ void Computation::predict_from_library() {
         TestPrediction& predicted = done_[k].library;
         predicted = predict_test(library_, model, measured_test(test),
                                  {.strain = s_.learning.final_strain}, true);
-        fmt::print("{}: {}\n", folder, described(predicted));
+        report_news(common_, fmt::format("{}: {}", folder, described(predicted)));
         if (!predicted.not_used.empty()) continue;
         require(s_.corrections.nudging.stiffness <= 0,
                 "--nudging-stiffness: expected --library none; where a library predicts the test, "
                 "no model is nudged");
         done_[k].members = favoured(predicted.weights, s_.running_members);
-        fmt::print("{}: the specimens that go on with the test: {}\n", folder,
-                   described(library_, done_[k].members));
+        report_news(common_, fmt::format("{}: the specimens that go on with the test: {}", folder,
+                                         described(library_, done_[k].members)));
         write_prediction(common_.out / folder / "predicted.csv", predicted);
         RingEstimate& rings = done_[k].rings;
         rings = estimate_rings(library_, model, test, test.measured.back().axial_strain);
-        fmt::print("{}: {}\n", folder, described(rings));
+        report_news(common_, fmt::format("{}: {}", folder, described(rings)));
         if (rings.not_made.empty())
             write_rings(common_.out / folder / "rings.csv", rings,
                         ring_strains(test.measured, rings.strain));
     }
-    std::fflush(stdout);
 }
 
 /// Makes the specimen of the model and those of the library that go on with the tests, each on one
@@ -247,16 +246,18 @@ void Computation::prepare() {
     preparation_wall_ = seconds_since(began);
 }
 
-void print_learned(const std::string& test, const std::vector<EstimateAt>& estimates) {
+void report_learned(const Common& common, const std::string& test,
+                    const std::vector<EstimateAt>& estimates) {
     std::string text;
     if (!estimates.empty())
         for (const NamedValue& v : describe(estimates.back().estimate))
             text += fmt::format("{}{} {:.3f}", text.empty() ? "" : ", ", v.key,
                                 std::get<double>(v.value));
-    fmt::print("{}: {}\n", test,
-               text.empty() ? "nothing was learned, the model keeps its friction and stiffness"
-                            : text);
-    std::fflush(stdout);
+    report_news(common,
+                fmt::format("{}: {}", test,
+                            text.empty()
+                                ? "nothing was learned, the model keeps its friction and stiffness"
+                                : text));
 }
 
 // All tests have the same specimen, whose error is nearly the same at all pressures (correlation
@@ -286,7 +287,7 @@ void Computation::learn() {
             });
         if (!done_[k].learned.estimates.empty())
             now = mean_of(done_[k].learned.estimates.back().estimate);
-        print_learned(folder_of(tests_[k].pressure), done_[k].learned.estimates);
+        report_learned(common_, folder_of(tests_[k].pressure), done_[k].learned.estimates);
         write_estimates(common_.out / folder_of(tests_[k].pressure) / "learned.csv",
                         done_[k].learned.estimates);
     }
@@ -400,8 +401,20 @@ void Computation::run() {
     run_variants();
 }
 
+/// Says what the rows mean and what was not used.
+void Computation::show_trust(Report& summary) const {
+    summary.show_sentence("Error ratios are those of the fused prediction over those of DEM only, "
+                          "beyond the strains learned from. Bands are those of 90 %.");
+    for (const RecordedTest& test : tests_)
+        if (test.refused() > 0 || refused_channels(test) != "none")
+            summary.show_sentence(
+                fmt::format("{}: {}.", folder_of(test.pressure), verdict_on(test)));
+    summary.show_sentence("What each sensor observes is in quality_control.txt; the curves are in "
+                          "smart_triaxial.png.");
+}
+
 void Computation::report() {
-    Summary summary;
+    Report summary;
     if (!library_file_.empty()) summary.add("library_file", library_file_.string());
     std::string stopped;
     const auto note = [&](const ModelRun& run) {
@@ -417,12 +430,14 @@ void Computation::report() {
     summary.add("preparation_wall_time_s", preparation_wall_);
     summary.add("learning_wall_time_s", learning_wall_);
     summary.add("tests_wall_time_s", variants_wall_);
-    draw_results(common_.out, tests_, done_);
+    draw_results(common_.out, tests_, done_, s_.learning.final_strain);
+    summary.show({"preparation_wall_time_s", "tests_wall_time_s"});
+    show_trust(summary);
     report_results(common_, summary);
     if (!stopped.empty()) throw SimulationError(stopped);
 }
 
-/// Reads the tests and runs their quality control. The verdict is printed now, because the
+/// Reads the tests and runs their quality control. The verdict is reported now, because the
 /// computation takes long.
 std::vector<RecordedTest> judged_tests(const Smart& s, const Common& common,
                                        const std::vector<SensorInfo>& infos) {
@@ -443,12 +458,9 @@ std::vector<RecordedTest> judged_tests(const Smart& s, const Common& common,
     }
     for (const RecordedTest& test : tests) {
         std::filesystem::create_directories(common.out / folder_of(test.pressure));
-        fmt::print("{}: {}\n", folder_of(test.pressure), verdict_on(test));
+        report_news(common, fmt::format("{}: {}", folder_of(test.pressure), verdict_on(test)));
     }
-    const auto file = common.out / "quality_control.txt";
-    write_whole(file, report);
-    fmt::print("The reasons, and what each sensor observes, are in {}.\n", file.string());
-    std::fflush(stdout); // also where stdout is a file
+    write_whole(common.out / "quality_control.txt", report);
     return tests;
 }
 

@@ -4,8 +4,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
-#include "engine/scenario.hpp"
-#include "engine/summary.hpp"
+#include "engine/report.hpp"
 #include "scenarios/network/network_results.hpp"
 
 #include <fmt/format.h>
@@ -44,7 +43,7 @@ struct Network {
     void describe(auto& option) {
         option.group("Network");
         option("rocks", settings.rocks, "", "Number of SmartRocks.", within(1, 1000));
-        option("hosts", settings.hosts, "", "Number of hosts beside the track.", within(1, 1000));
+        option("hosts", settings.hosts, "", "Number of hosts next to the track.", within(1, 1000));
         option("duration", truth.duration, "s", "Simulated time.", within(60, 1e9));
         option("strategy", strategy, "", "How rocks choose when they sample; all: compare all.",
                {"all", "continuous", "scheduled", "triggered", "duty_cycled"});
@@ -62,13 +61,14 @@ struct Network {
         option("pre_trigger", r.pre_trigger, "s", "Time before the trigger that a buffer keeps.",
                within(0, 60));
         option("post_trigger", r.post_trigger, "s",
-               "Time that sampling goes on after the last trigger.", within(0.1, 3600));
+               "Time for which sampling goes on after the last trigger.", within(0.1, 3600));
         option("lead", r.lead, "s",
                "Time before a planned arrival at which a scheduled rock wakes.", within(0, 1e5));
-        option("session", r.session, "s", "Time that a scheduled rock then samples.",
-               within(1, 1e5));
+        option("session", r.session, "s",
+               "Time for which a scheduled rock samples after it has woken.", within(1, 1e5));
         option("duty_period", r.duty_period, "s", "Period of a duty-cycled rock.", within(1, 1e6));
-        option("duty_on", r.duty_on, "s", "Time that it samples in each period.", within(0.1, 1e6));
+        option("duty_on", r.duty_on, "s",
+               "Time for which a duty-cycled rock samples in each period.", within(0.1, 1e6));
         option("packet_samples", settings.packet_samples, "", "Samples in a full packet.",
                within(1, 1e5));
         option("contact_interval", settings.contact_interval, "s",
@@ -78,11 +78,12 @@ struct Network {
         RockPower& p = settings.rock_power;
         option("battery", p.battery, "J", "Energy in the battery of a rock.", above(0, 1e9));
         option("sleep_power", p.asleep, "W", "Power of a rock asleep.", within(0, 100));
-        option("armed_power", p.armed, "W", "Power while its motion detector is on.",
+        option("armed_power", p.armed, "W", "Power of a rock whose motion detector is on.",
                within(0, 100));
-        option("sampling_power", p.sampling, "W", "Power while it samples.", within(0, 100));
-        option("sample_energy", p.per_sample, "J", "Energy of each sample besides.", within(0, 1));
-        option("sending_power", p.sending, "W", "Power of its radio while it sends, besides.",
+        option("sampling_power", p.sampling, "W", "Power of a rock that samples.", within(0, 100));
+        option("sample_energy", p.per_sample, "J", "Additional energy of each sample.",
+               within(0, 1));
+        option("sending_power", p.sending, "W", "Additional power of a rock while its radio sends.",
                within(0, 100));
         option("contact_energy", p.contact, "J", "Energy of a contact.", within(0, 100));
         describe_link(option, "rock", "a rock to its host", settings.rock_link);
@@ -90,9 +91,10 @@ struct Network {
         HostPower& h = settings.host_power;
         option("host_battery", h.battery, "J", "Energy in the battery of a host.", above(0, 1e12));
         option("host_power", h.listening, "W", "Power of a host that listens.", within(0, 1e4));
-        option("host_sending_power", h.sending, "W", "Power of its radio while it sends, besides.",
-               within(0, 1e4));
-        option("solar_panel", h.panel, "W", "Power of its solar panel at noon.", within(0, 1e5));
+        option("host_sending_power", h.sending, "W",
+               "Additional power of a host while its radio sends.", within(0, 1e4));
+        option("solar_panel", h.panel, "W", "Power of the solar panel of a host at noon.",
+               within(0, 1e5));
         describe_link(option, "cloud", "a host to the cloud", settings.cloud_link);
         option.group("Truth (synthetic)");
         option("headway", truth.headway, "s", "Time between planned arrivals of trains.",
@@ -119,10 +121,9 @@ std::vector<Strategy> chosen(const Network& n) {
     return strategies;
 }
 
-void add(Summary& summary, const StrategyResult& r) {
-    const auto put = [&](const char* name, const auto& value) {
-        summary.add(fmt::format("{}_{}", name_of(r.strategy), name), value);
-    };
+void add(Report& summary, const StrategyResult& r) {
+    Report own;
+    const auto put = [&](const char* name, const auto& value) { own.add(name, value); };
     put("packets_made", r.packets.made);
     put("packets_delivered", r.packets.delivered);
     put("packets_lost_on_air", r.packets.lost_on_air);
@@ -138,6 +139,10 @@ void add(Summary& summary, const StrategyResult& r) {
     put("false_warnings", r.false_warnings);
     put("host_charge_J", r.host_least_charge);
     put("settings_changed", r.changes.size());
+    own.show({"lifetime_days", "energy_per_day_J", "bytes_per_day", "packets_made",
+              "packets_delivered", "train_time_recorded", "spectrum_error", "alarm_delay_s",
+              "warnings", "false_warnings"});
+    summary.add_part(name_of(r.strategy), own);
 }
 
 void draw(const std::filesystem::path& png, const std::vector<StrategyResult>& results) {
@@ -217,13 +222,14 @@ void run(const Network& given, const Common& common) {
         simulation.run();
         results[k] = result_of(simulation, settings, truth);
     });
-    Summary summary;
+    Report summary;
     summary.add("trains", truth.trains().size());
     for (const StrategyResult& r : results) {
         require(r.packets.made == r.packets.delivered + r.packets.lost() + r.packets.queued,
                 "packets: expected made = delivered + lost + queued");
         add(summary, r);
     }
+    summary.show({"trains"});
     write_table(common.out / "strategies.csv", results);
     draw(common.out / "smartrock_net.png", results);
     report_results(common, summary);

@@ -6,8 +6,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
-#include "engine/scenario.hpp"
-#include "engine/summary.hpp"
+#include "engine/report.hpp"
 #include "scenarios/assimilation/library_design.hpp"
 #include "scenarios/assimilation/library_join.hpp"
 #include "scenarios/assimilation/library_results.hpp"
@@ -95,7 +94,7 @@ public:
                             last_ / 2, s.observed.strain));
         if (!s.truths.empty()) truths_ = read_library(s.truths);
     }
-    void run(Summary& summary);
+    void run(Report& summary);
 
 private:
     std::vector<SpecimenScore> scores(const Scoring& scoring) const {
@@ -116,7 +115,7 @@ private:
     double last_; // axial strain
 };
 
-void LibraryScore::run(Summary& summary) {
+void LibraryScore::run(Report& summary) {
     std::vector<ScoredVariant> variants;
     const bool sensors = library_.sensors > 0 &&
                          (s_.truths.empty() || truths_.sensors == library_.sensors) &&
@@ -127,7 +126,7 @@ void LibraryScore::run(Summary& summary) {
             variants.push_back({name, library_.pressures[p], scoring.observed, scores(scoring)});
         };
         add("as_asked");
-        add_scores(summary, folder_of(library_.pressures[p]) + "_", variants.back(), last_);
+        summary.add_part(folder_of(library_.pressures[p]), scores_of(variants.back(), last_));
         draw(scoring, variants.back().scores);
         if (!s_.compare) continue;
         for (const Variant& v : compared_variants(s_.observed, sensors)) {
@@ -138,15 +137,12 @@ void LibraryScore::run(Summary& summary) {
     }
     write_scores(common_.out / "scores.csv", variants, last_);
     write_specimen_scores(common_.out / "specimens.csv", variants, last_);
-    fmt::print("{}", table_of(variants, last_));
+    summary.show_sentence("Ratios are errors of q over those of the prior ensemble, with intervals "
+                          "of 95 %; scores.csv has those of all variants of what is assimilated.");
     if (!s_.truths.empty() || !s_.compare) return;
-    const std::vector<RingScore> rings = score_rings(library_);
-    write_ring_scores(common_.out / "rings.csv", rings);
-    fmt::print("\n{}", table_of(rings));
+    write_ring_scores(common_.out / "rings.csv", score_rings(library_));
     const std::vector<SuspicionScore> suspicions = score_suspicions(library_);
-    if (suspicions.empty()) return;
-    write_suspicions(common_.out / "suspicions.csv", suspicions);
-    fmt::print("\n{}", table_of(suspicions));
+    if (!suspicions.empty()) write_suspicions(common_.out / "suspicions.csv", suspicions);
 }
 
 void LibraryScore::draw(const Scoring& scoring, const std::vector<SpecimenScore>& scores) const {
@@ -206,16 +202,18 @@ SpecimenLibrary given_library(const LibraryRun& s, const Common& common) {
 void run(const LibraryRun& s, const Common& common) {
     const SpecimenLibrary library =
         s.library.empty() ? make_library(s, common) : given_library(s, common);
-    Summary summary;
+    Report summary;
     summary.add("specimens_made", library.specimens.size());
     std::uint64_t redrawn = 0;
     for (const LibrarySpecimen& specimen : library.specimens) redrawn += specimen.redrawn;
     summary.add("packings_redrawn", redrawn);
     summary.add("specimens_given_up", library.given_up.size());
+    summary.show({"specimens_made", "packings_redrawn", "specimens_given_up"});
     if (library.specimens.size() >= fewest_scored)
         LibraryScore(s, common, library).run(summary);
     else
-        fmt::print("a library of fewer than {} specimens is not scored\n", fewest_scored);
+        summary.show_sentence(
+            fmt::format("A library of fewer than {} specimens is not scored.", fewest_scored));
     report_results(common, summary);
 }
 

@@ -2,6 +2,7 @@
 // and without a shoulder and with several amounts of fines, on the same bed.
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "scenarios/field_tests/bed_tests.hpp"
 #include "scenarios/field_tests/tie_bed.hpp"
@@ -92,9 +93,9 @@ public:
         return sum / count;
     }
 
-    Summary summary() const {
+    Report summary() const {
         const World& world = simulation_.world();
-        Summary s;
+        Report s;
         for (const double mark : marks) {
             if (mark > bed_.displacement * (1 + 1e-9)) continue;
             const double force = near("force", mark);
@@ -104,6 +105,7 @@ public:
             s.add("crib_share" + at, near("crib_force", mark) / force);
             s.add("end_share" + at, near("end_force", mark) / force);
             s.add("lift" + at + "_m", near("lift", mark));
+            s.show({"force" + at + "_N"});
         }
         const auto& force = curve_.column("force");
         const auto peak = std::ranges::max_element(force) - force.begin();
@@ -117,6 +119,8 @@ public:
         s.add("time_step_s", world.resource<Clock>().dt);
         if (test_.vci > 0 || bed_.fouling.any()) add_fouling_results(s, world);
         run_->describe(s);
+        s.show({"largest_force_N", "largest_force_displacement_m", "largest_unbalanced_ratio",
+                "wall_time_s"});
         return s;
     }
 
@@ -132,7 +136,7 @@ private:
 using Runs = std::vector<std::unique_ptr<PushRun>>;
 
 /// Loss of force without a shoulder, and by fines, at each displacement.
-void add_losses(Summary& summary, const Runs& runs, const TieBed& bed) {
+void add_losses(Report& summary, const Runs& runs, const TieBed& bed) {
     for (const double mark : marks) {
         if (mark > bed.displacement * (1 + 1e-9)) continue;
         const auto force = [&](const PushRun& r) { return r.near("force", mark); };
@@ -192,16 +196,18 @@ void run(const TieBed& bed, const Common& common) {
     const auto rocks = bed_world.resource<RockBed>().rocks.size();
     const double porosity = bed_world.resource<RockBedState>().porosity;
     progress.pause();
-    fmt::print("bed of {} rocks: porosity below the tie and the crib {:.4f}\n", rocks, porosity);
+    report_news(common, fmt::format("bed of {} rocks: porosity below the tie and the crib {:.4f}",
+                                    rocks, porosity));
     const Runs runs =
         run_tests(tests, 1 + bed.displacement / bed.interval, common, progress,
                   [&](const TieTest& test, unsigned threads, const ReportProgress& report) {
                       return std::make_unique<PushRun>(bed, common, made, test, threads, report);
                   });
     draw(runs, common);
-    Summary all;
+    Report all;
     all.add("rocks", rocks);
     all.add("core_porosity", porosity);
+    all.show({"rocks", "core_porosity"});
     add_losses(all, runs, bed);
     add_results_of_tests(all, runs);
     report_results(common, all);

@@ -5,6 +5,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "engine/signal/spectrum.hpp"
 #include "scenarios/ballast_box/draw_box.hpp"
@@ -52,7 +53,7 @@ Spectrum spectrum_of(const Vibration& vertical) {
 
 /// Levels of a sensor in the last passage; `prefix` tells who recorded. The mean of the first tenth
 /// of a second is the level at rest: the first axle is still far away.
-void add_sensor(Summary& summary, const std::string& prefix, const std::string& name,
+void add_sensor(Report& summary, const std::string& prefix, const std::string& name,
                 const Recording& recording) {
     const Vibration vertical = vibration_of(recording, "vertical", 0.1);
     require(vertical.impossible_because.empty(), vertical.impossible_because);
@@ -142,7 +143,7 @@ void draw(const Series& samples, const World& world, const std::vector<Recording
     draw_box(world, common.out / "bay.png", "A bay of track. Red: sensor rocks.");
 }
 
-void summarise(Summary& summary, const TrackPassage& t, const Train& train, const Series& samples,
+void summarise(Report& summary, const TrackPassage& t, const Train& train, const Series& samples,
                const World& world, const std::vector<Recording>& recordings, LastQuantities& last) {
     std::size_t rocks = 0;
     for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
@@ -155,16 +156,19 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
     if (world.has_resource<Fouling>()) add_fouling_results(summary, world);
     for (unsigned number = 1; number <= t.passages; ++number) {
         const PassageResponse r = passage_response(samples, number);
-        const std::string name = folder_of(number) + "_";
-        summary.add(name + "settlement_mm", 1e3 * r.settlement);
-        summary.add(name + "deflection_mm", 1e3 * r.deflection);
-        summary.add(name + "largest_load_kN", 1e-3 * r.largest_load);
-        summary.add(name + "largest_support_kN", 1e-3 * r.largest_support);
+        Report passage;
+        passage.add("settlement_mm", 1e3 * r.settlement);
+        passage.add("deflection_mm", 1e3 * r.deflection);
+        passage.add("largest_load_kN", 1e-3 * r.largest_load);
+        passage.add("largest_support_kN", 1e-3 * r.largest_support);
+        passage.show({"settlement_mm", "deflection_mm", "largest_load_kN"});
+        summary.add_part(folder_of(number), passage);
     }
     const auto& sensors = world.resource<BoxBodies>().sensors;
     const std::vector<Recording> exact = recordings_of(world, &InertialRecorder::exact);
     for (std::size_t k = 0; k < sensors.size(); ++k) {
         add_sensor(summary, "", sensors[k].name, recordings[k]);
+        summary.show({fmt::format("vertical_rms_{}_m_per_s2", sensors[k].name)});
         add_sensor(summary, "exact_", sensors[k].name, exact[k]);
         summary.add(fmt::format("height_{}_m", sensors[k].name),
                     world.column<Bodies, Position>()[row_of_body(world, sensors[k].body)].z());
@@ -213,9 +217,11 @@ void run(const TrackPassage& t, const Common& common) {
     samples.write_csv(common.out / "samples.csv");
     samples.write_track(frames.file());
     frames.file().close();
-    Summary summary;
+    Report summary;
     summarise(summary, t, train, samples, world, recordings, last);
     run.describe(summary);
+    summary.show({"rocks", "bed_porosity", "axles", "train_speed_m_per_s", "passage_duration_s",
+                  "unbalanced_ratio", "wall_time_s"});
     report_results(common, summary);
 }
 

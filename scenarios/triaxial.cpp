@@ -4,9 +4,9 @@
 
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/report.hpp"
 #include "engine/resume.hpp"
 #include "engine/run.hpp"
-#include "engine/summary.hpp"
 #include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/specimens/material_card_file.hpp"
 #include "scenarios/specimens/write_option.hpp"
@@ -99,7 +99,7 @@ public:
     void run();
 
     const TriaxialState& state() const { return test_.state(); }
-    Summary summary() const;
+    Report summary() const;
 
 private:
     bool advance();
@@ -202,9 +202,9 @@ void Test::finish() {
     write_results(common_, summary());
 }
 
-Summary Test::summary() const {
+Report Test::summary() const {
     const TriaxialState& s = test_.state();
-    Summary summary;
+    Report summary;
     summary.add("confining_pressure_Pa", settings_.confining_pressure);
     summary.add(describe(properties_of(s.points, settings_.confining_pressure)));
     summary.add("core_porosity", s.core_porosity);
@@ -227,18 +227,24 @@ Summary Test::summary() const {
         summary.add("preparation_steps", made.steps);
         summary.add("preparation_wall_time_s", made.count.wall_time);
     }
+    summary.show({"peak_q_Pa", "strain_at_peak", "peak_friction_angle_deg",
+                  "mean_q_last_quarter_Pa", "secant_modulus_E50_Pa", "poisson_ratio_E50",
+                  "final_volumetric_strain", "core_porosity", "diameter_over_largest_rock",
+                  "worst_ring_pressure_error", "worst_boundary_contact_stress_mismatch",
+                  "relative_energy_error", "wall_time_s"});
     return summary;
 }
 
-void print_specimen(const Triaxial& t, const TriaxialScene& scene) {
-    fmt::print("{}",
-               describe(scene.sample, sieve_back(scene.sample.rocks, scene.clumps, scene.grading,
-                                                 scene.sample.truncated_fraction)));
-    fmt::print("specimen: {} rocks, {} of them sensor rocks, diameter {:.1f} mm, height about "
-               "{:.0f} mm, D/d_max {:.2f}\n",
-               t.bodies, scene.poses.size(), 2e3 * scene.specimen.radius,
-               1e3 * scene.specimen.height,
-               2 * scene.specimen.radius / scene.grading.sieves.front().size);
+void report_specimen(const Triaxial& t, const TriaxialScene& scene, const Common& common) {
+    report_news(common,
+                fmt::format("{}specimen: {} rocks, {} of them sensor rocks, diameter {:.1f} mm, "
+                            "height about {:.0f} mm, D/d_max {:.2f}",
+                            describe(scene.sample,
+                                     sieve_back(scene.sample.rocks, scene.clumps, scene.grading,
+                                                scene.sample.truncated_fraction)),
+                            t.bodies, scene.poses.size(), 2e3 * scene.specimen.radius,
+                            1e3 * scene.specimen.height,
+                            2 * scene.specimen.radius / scene.grading.sieves.front().size));
 }
 
 /// Makes the specimen of all tests, or resumes from `checkpoint` if it is not empty.
@@ -249,8 +255,8 @@ MadeSpecimen make_specimen(const Shared& shared, const std::filesystem::path& ch
     MadeSpecimen made = bris::make_specimen(shared.scene, settings_at(shared.settings, pressure),
                                             common, progress_slot(shared.progress));
     shared.progress.pause();
-    fmt::print("specimen prepared: core porosity {:.4f}, {} steps, {:.1f} s\n", made.core_porosity,
-               made.steps, made.count.wall_time);
+    report_news(common, fmt::format("specimen prepared: core porosity {:.4f}, {} steps, {:.1f} s",
+                                    made.core_porosity, made.steps, made.count.wall_time));
     return made;
 }
 
@@ -292,22 +298,26 @@ struct Resume {
     }
 };
 
+void show_card(Report& summary, const FouledTriaxial& t) {
+    if (t.material.empty()) return;
+    const MaterialCard card = read_material_card(t.material);
+    const auto& [friction, stiffness] = std::tie(card.friction, card.clump_stiffness);
+    summary.show_sentence(
+        fmt::format("The rocks are those of {}: friction {}, contact stiffness {}.",
+                    t.material.string(), three_digits(friction.value, friction.low, friction.high),
+                    three_digits(stiffness.value, stiffness.low, stiffness.high, "N/m")));
+}
+
 void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& done) {
-    std::vector<Summary> results;
+    Report all;
     std::vector<TestCurve> curves;
     const auto& pressures = shared.settings.confining_pressure;
     for (std::size_t k = 0; k < done.size(); ++k) {
-        results.push_back(done[k]->summary());
+        all.add_part(done.size() > 1 ? folder_of(pressures[k]) : "", done[k]->summary());
         curves.push_back({label_of(pressures[k]), &done[k]->state().points});
     }
-    if (done.size() == 1) return report_results(shared.common, results.front());
-    draw_curves(shared.common.out / "curves.png", curves);
-    Summary all;
-    for (std::size_t k = 0; k < done.size(); ++k)
-        for (NamedValue entry : results[k].entries()) {
-            entry.key = fmt::format("{}_{}", folder_of(pressures[k]), entry.key);
-            all.add(entry);
-        }
+    if (done.size() > 1) draw_curves(shared.common.out / "curves.png", curves);
+    show_card(all, shared.settings);
     report_results(shared.common, all);
 }
 
@@ -318,7 +328,7 @@ FouledTriaxial with_card(FouledTriaxial t, Common& common) {
     const Triaxial unchanged;
     require(t.test.friction == unchanged.test.friction &&
                 t.specimen.clump_stiffness == unchanged.specimen.clump_stiffness,
-            "--material: expected neither --friction nor --clump-stiffness beside a card, which "
+            "--material: expected neither --friction nor --clump-stiffness with a card, which "
             "gives both");
     const MaterialCard card = read_material_card(t.material);
     t.test.friction = card.friction.value;
@@ -328,15 +338,6 @@ FouledTriaxial with_card(FouledTriaxial t, Common& common) {
         if (setting.key == "clump_stiffness_N_per_m") setting.value = t.specimen.clump_stiffness;
     }
     return t;
-}
-
-void print_card(const FouledTriaxial& t) {
-    if (t.material.empty()) return;
-    const MaterialCard card = read_material_card(t.material);
-    fmt::print("rocks of {}: friction {:.3g} ({:.3g} to {:.3g}), contact stiffness {:.3g} N/m "
-               "({:.3g} to {:.3g})\n",
-               t.material.string(), card.friction.value, card.friction.low, card.friction.high,
-               card.clump_stiffness.value, card.clump_stiffness.low, card.clump_stiffness.high);
 }
 
 void check_options(const FouledTriaxial& given, const Common& typed) {
@@ -354,11 +355,10 @@ void check_options(const FouledTriaxial& given, const Common& typed) {
 void run(const FouledTriaxial& given, const Common& typed) {
     Common common = typed;
     const FouledTriaxial t = with_card(given, common);
-    print_card(t);
     const std::size_t tests = t.confining_pressure.size();
     const Resume from(common.resume, tests);
     const TriaxialScene scene = make_scene(t, common.seed);
-    print_specimen(t, scene);
+    report_specimen(t, scene, common);
     const unsigned at_once =
         std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
     const unsigned threads = std::max(1u, common.threads / at_once);

@@ -6,8 +6,11 @@
 #include "engine/scenario.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/assimilation/twin_experiment.hpp"
+#include "scenarios/assimilation/twin_variants.hpp"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace bris {
 
@@ -31,6 +34,8 @@ void check_options(const TwinSettings& t, const Common& common) {
             "--model-packing: expected another seed than --seed");
     require(t.mismatch.packing == 0 || !t.layouts,
             "--layouts: expected no --model-packing, whose rocks are not the rocks of the truth");
+    require(!t.layouts || std::ranges::any_of(names_of_variants(t.variants), is_computed),
+            "--layouts: expected analysis among the --variants, found none");
     require(t.mismatch.spheres == 0 || t.mismatch.spheres >= 4,
             fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));
     check_test(t.triaxial);
@@ -58,7 +63,7 @@ int main(int argc, char** argv) {
     return bris::run_scenario<bris::TwinSettings>(
         argc, argv,
         {"twin",
-         "Twin experiment: records a simulated triaxial test and models it without and with "
-         "the recordings."},
+         "Simulates a triaxial test as the truth, records its sensor rocks, and shows how much "
+         "better another model predicts all rocks with the recordings than without them."},
         bris::check_options, bris::run, bris::explain);
 }

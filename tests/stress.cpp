@@ -1,6 +1,7 @@
 // The stress suite: hard cases that the engine must compute correctly or refuse.
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "tests/stability/suite.hpp"
 
@@ -56,7 +57,7 @@ void run(const Stress& stress, const Common& common) {
     }
     const StressSettings settings{stress.full, common.threads, common.seed, stress.soak_minutes};
     StressRows all;
-    Summary summary;
+    Report summary;
     std::vector<std::string> names;
     for (const StressCase& c : cases) names.emplace_back(c.id);
     run_cases(common, names, [&](std::size_t k) {
@@ -64,18 +65,25 @@ void run(const Stress& stress, const Common& common) {
         const auto began = this_instant();
         const StressRows rows = run_case(c, settings);
         const double seconds = seconds_since(began);
-        if (cases.size() == 1 || failures(rows) > 0)
-            fmt::print("{} {}: {} of {} rows pass, {:.1f} s\n{}", c.id, c.title,
-                       rows.size() - failures(rows), rows.size(), seconds, table_of(rows));
-        std::fflush(stdout);
-        summary.add(fmt::format("{}_rows", c.id), rows.size());
-        summary.add(fmt::format("{}_failures", c.id), failures(rows));
-        summary.add(fmt::format("{}_wall_s", c.id), seconds);
+        report_news(common, fmt::format("{} {}: {} of {} rows pass, {:.1f} s\n{}", c.id, c.title,
+                                        rows.size() - failures(rows), rows.size(), seconds,
+                                        table_of(rows)));
+        Report own;
+        own.add("rows", rows.size());
+        own.add("failures", failures(rows));
+        own.add("wall_s", seconds);
+        for (const NamedValue& entry : own.entries()) own.show({entry.key});
+        summary.add_part(std::string(c.id), own);
         all.insert(all.end(), rows.begin(), rows.end());
     });
     summary.add("rows", all.size());
     summary.add("failures", failures(all));
+    summary.show({"rows", "failures"});
     write_rows(common.out / "stress.csv", all);
+    StressRows failing = all;
+    std::erase_if(failing, [](const StressRow& row) { return row.pass; });
+    summary.show_sentence(table_of(failing));
+    summary.show_sentence("All rows are in stress.csv.");
     report_results(common, summary);
     if (failures(all) > 0)
         throw SimulationError(fmt::format("{} of {} rows fail, see {}", failures(all), all.size(),

@@ -2,8 +2,8 @@
 // one impact of the user's own sphere with its law integrated in fine steps.
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
-#include "engine/summary.hpp"
 #include "tests/verification/cases.hpp"
 #include "tests/verification/impacts.hpp"
 #include "tests/verification/table.hpp"
@@ -86,9 +86,12 @@ void run(const Verify& settings, const Common& common) {
     }
     const std::vector<Check> checks = run_checks(settings, common);
     write_whole(common.out / "verification.csv", csv_of(checks));
-    Summary results;
+    Report results;
     add_checks(results, checks);
-    fmt::print("{}", table_of(closest_to_tolerance(checks, 12)));
+    results.show({"checks", "failing"});
+    results.show_sentence(table_of(closest_to_tolerance(checks, 12)));
+    results.show_sentence("All numbers with their exact values and tolerances are in " +
+                          (common.out / "verification.csv").string() + ".");
     report_results(common, results);
     if (const std::string failing = names_of_failing(checks); !failing.empty())
         throw SimulationError("verify: these checks fail: " + failing);

@@ -16,6 +16,18 @@ namespace {
 constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                              "#e69f00", "#56b4e9", "#000000"};
 constexpr std::array points{7, 5, 9, 13, 11, 6, 4};
+/// The colour of the number-th curve. Beyond those above, hues about a golden angle apart, in turn
+/// dark and light, so that no two of twenty curves look alike.
+std::string colour_of(std::size_t number) {
+    if (number < colours.size()) return colours[number];
+    const double further = static_cast<double>(number - colours.size());
+    const double hue = 6 * std::fmod(0.13 + 0.618034 * further, 1), value = number % 2 ? 0.9 : 0.55;
+    const auto part = [&](double shift) { // of red, green and blue, 0 to 1
+        const double away = std::abs(std::fmod(hue + shift, 6) - 3) - 1;
+        return static_cast<int>(255 * value * (0.1 + 0.9 * std::clamp(away, 0.0, 1.0)));
+    };
+    return fmt::format("#{:02x}{:02x}{:02x}", part(0), part(4), part(2));
+}
 constexpr unsigned panel_width = 620, panel_height = 440;
 
 const char* const look = "set border 3 linewidth 1 linecolor '#444444'\n"
@@ -24,32 +36,33 @@ const char* const look = "set border 3 linewidth 1 linecolor '#444444'\n"
                          "set key outside below center horizontal reverse Left samplen 2.5\n"
                          "set format '%g'\n"
                          "set lmargin 11\nset rmargin 3.5\nset tmargin 2.6\n"
+                         "set autoscale xfix\n" // from the first to the last point
                          "set offsets graph 0, 0, graph 0.06, 0\n";
 
 bool drawable(double x, bool logarithmic) { return std::isfinite(x) && (!logarithmic || x > 0); }
 
-/// The data of a curve as a named block; false if it has no point to draw.
-bool append_block(std::string& text, const std::string& block, const Curve& curve,
-                  const Plot& plot) {
-    bool any = false;
+/// The data of a curve as a named block; returns the number of points to draw.
+std::size_t append_block(std::string& text, const std::string& block, const Curve& curve,
+                         const Plot& plot) {
+    std::size_t count = 0;
     text += fmt::format("{} << EOD\n", block);
     for (std::size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
         const bool good =
             drawable(curve.x[i], plot.x_logarithmic) && drawable(curve.y[i], plot.y_logarithmic);
-        any = any || good;
+        count += good ? 1u : 0u;
         text += good ? fmt::format("{} {}\n", curve.x[i], curve.y[i]) : std::string("\n");
     }
     text += "EOD\n";
-    return any;
+    return count;
 }
 
-std::string style_of(const Curve& curve, std::size_t i) {
-    const char* const colour = colours[i % colours.size()];
-    if (curve.style == Curve::Style::points)
+std::string style_of(Curve::Style style, std::size_t i) {
+    const std::string colour = colour_of(i);
+    if (style == Curve::Style::points)
         return fmt::format("with points pointtype {} pointsize 0.9 linewidth 1.5 linecolor '{}'",
                            points[i % points.size()], colour);
     return fmt::format("with lines linewidth 2 dashtype {} linecolor '{}'",
-                       curve.style == Curve::Style::dashed ? "(10,5)" : "solid", colour);
+                       style == Curve::Style::dashed ? "(10,5)" : "solid", colour);
 }
 
 /// Height below the axes in lines of text: tics, label, and the rows of the key, whose columns are
@@ -75,11 +88,13 @@ std::string panel(const Plot& plot, std::size_t number) {
         const Curve& curve = plot.curves[i];
         if (i > 0 && !curve.label.empty()) ++colour;
         const std::string block = fmt::format("$curve_{}_{}", number, i);
-        if (!append_block(text, block, curve, plot)) continue;
+        const std::size_t count = append_block(text, block, curve, plot);
+        if (count == 0) continue;
         const std::string title =
             curve.label.empty() ? "notitle" : "title " + gnuplot_quoted(curve.label);
-        curves += fmt::format("{}{} using 1:2 {} {}", curves.empty() ? "" : ", ", block,
-                              style_of(curve, colour), title);
+        curves +=
+            fmt::format("{}{} using 1:2 {} {}", curves.empty() ? "" : ", ", block,
+                        style_of(count == 1 ? Curve::Style::points : curve.style, colour), title);
     }
     text +=
         fmt::format("set title {} font ',12'\nset xlabel {}\nset ylabel {}\nset bmargin {:.1f}\n",

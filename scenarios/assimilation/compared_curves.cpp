@@ -1,6 +1,8 @@
 #include "scenarios/assimilation/compared_curves.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace bris {
 
@@ -37,6 +39,21 @@ std::vector<Curve> compared_curves(const ComparedPoints& points, const MakeCurve
 MakeCurve curves_of(double scale, double TriaxialPoint::*value) {
     return [=](const std::string& label, const std::vector<TriaxialPoint>& points,
                Curve::Style style) { return curve_of(label, points, scale, value, style); };
+}
+
+void mark_end_of_learning(Plot& panel, double strain) {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    double last = -none, low = none, high = -none;
+    for (const Curve& curve : panel.curves)
+        for (std::size_t k = 0; k < curve.x.size(); ++k) {
+            if (!std::isfinite(curve.y[k])) continue;
+            last = std::max(last, curve.x[k]);
+            low = std::min(low, curve.y[k]);
+            high = std::max(high, curve.y[k]);
+        }
+    const double at = 100 * strain;
+    if (last > at)
+        panel.curves.push_back({"learning ends", {at, at}, {low, high}, Curve::Style::dashed});
 }
 
 } // namespace bris

@@ -26,4 +26,8 @@ std::vector<Curve> compared_curves(const ComparedPoints& points, const MakeCurve
 /// `compared_curves`.
 MakeCurve curves_of(double scale, double TriaxialPoint::*value);
 
+/// Adds a vertical line at the axial strain up to which measurements are assimilated, if the curves
+/// of the panel go beyond it.
+void mark_end_of_learning(Plot& panel, double strain);
+
 } // namespace bris

@@ -183,12 +183,7 @@ void write_layouts(const std::filesystem::path& path, const std::vector<LayoutRe
     std::string csv =
         "layout,sensors,interval,sensor_rocks_error_ratio,near_error_ratio,others_error_ratio,near_"
         "rotation_left,seconds_per_stage\n";
-    fmt::print("{:10}{:>8}{:>10}{:>14}{:>12}{:>14}{:>16}{:>14}\n", "layout", "sensors", "interval",
-               "sensor rocks", "near rocks", "all others", "near, rotation", "us per stage");
     for (const LayoutResult& r : results) {
-        fmt::print("{:10}{:8}{:10.1e}{:14.3f}{:12.3f}{:14.3f}{:16.3f}{:14.1f}\n", r.layout,
-                   r.sensors, r.interval, r.hosts_error_ratio, r.near_error_ratio,
-                   r.others_error_ratio, r.near_rotation_error_ratio, 1e6 * r.seconds_per_stage);
         csv += fmt::format("{},{},{:g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g}\n", r.layout, r.sensors,
                            r.interval, r.hosts_error_ratio, r.near_error_ratio,
                            r.others_error_ratio, r.near_rotation_error_ratio, r.seconds_per_stage);

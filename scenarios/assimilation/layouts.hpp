@@ -43,7 +43,7 @@ std::vector<std::size_t> most_informative_rocks(const std::vector<RockPose>& roc
 std::vector<LayoutResult> try_layouts(const ModelRun& truth, const ModelRun& forecast,
                                       const RockScatter& scatter, const LayoutTrial& trial);
 
-/// Prints the results as a table and writes them as a CSV file.
+/// Writes the results as a CSV file. Throws OutputError.
 void write_layouts(const std::filesystem::path& path, const std::vector<LayoutResult>& results);
 
 } // namespace bris

@@ -6,6 +6,7 @@
 #include "engine/interrupt.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/random.hpp"
+#include "engine/report.hpp"
 #include "scenarios/assimilation/library_member.hpp"
 #include "scenarios/assimilation/run_models.hpp"
 
@@ -53,8 +54,7 @@ private:
     }
     void say(const std::string& text) {
         progress_.pause();
-        fmt::print("{}\n", text);
-        std::fflush(stdout);
+        report_news(common_, text);
     }
 
     SpecimenLibrary& library_;

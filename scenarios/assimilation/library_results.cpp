@@ -3,6 +3,7 @@
 #include "engine/estimation/linear_fit.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/report.hpp"
 #include "scenarios/recordings/triaxial_point.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
@@ -128,11 +129,10 @@ std::vector<Variant> compared_variants(const LibraryObservations& asked, bool ca
     return variants;
 }
 
-void add_scores(Summary& summary, const std::string& prefix, const ScoredVariant& v,
-                double last_strain) {
+Report scores_of(const ScoredVariant& v, double last_strain) {
+    Report summary;
     for (std::size_t k = 0; k < scored_count; ++k) {
-        const std::string name =
-            prefix + name_of(static_cast<Scored>(k), v.observed.strain, last_strain);
+        const std::string name = name_of(static_cast<Scored>(k), v.observed.strain, last_strain);
         const Ratios r = ratios_of(v.scores, k);
         for (const auto& [what, ratio] :
              {std::pair{"over_prior", r.over_prior}, {"over_single_run", r.over_single}}) {
@@ -142,43 +142,26 @@ void add_scores(Summary& summary, const std::string& prefix, const ScoredVariant
         }
         summary.add(name + "_inside_band", r.inside);
         summary.add(name + "_crps_over_prior", r.crps);
+        if (k == static_cast<std::size_t>(Scored::q_near))
+            summary.show({name + "_over_prior", name + "_over_single_run", name + "_inside_band"});
     }
     const LinearFit fit = true_on_learned(v.scores);
     const auto errors =
         over(v.scores, [](const SpecimenScore& s) { return s.learned_friction - s.friction; });
     const auto inside = std::ranges::count_if(v.scores, &SpecimenScore::friction_is_inside);
-    summary.add(prefix + "friction_true_on_learned_slope", fit.slope);
-    summary.add(prefix + "friction_true_on_learned_slope_error", fit.slope_error);
-    summary.add(prefix + "friction_log_rms_error", root_mean_square(errors));
-    summary.add(prefix + "friction_inside_band",
+    summary.add("friction_true_on_learned_slope", fit.slope);
+    summary.add("friction_true_on_learned_slope_error", fit.slope_error);
+    summary.add("friction_log_rms_error", root_mean_square(errors));
+    summary.add("friction_inside_band",
                 static_cast<double>(inside) / static_cast<double>(v.scores.size()));
-    summary.add(prefix + "stiffness_log_rms_error",
+    summary.add("stiffness_log_rms_error",
                 root_mean_square(over(v.scores, [](const SpecimenScore& s) {
                     return s.learned_stiffness - s.stiffness;
                 })));
-    summary.add(prefix + "specimens_scored", v.scores.size());
-}
-
-std::string table_of(const std::vector<ScoredVariant>& variants, double last_strain) {
-    std::string text;
-    constexpr std::array columns{Scored::q_near,          Scored::q_all,      Scored::q_far,
-                                 Scored::smoothed_q_near, Scored::volume_all, Scored::rings_last};
-    text += fmt::format("{:36}", "error over that of the prior ensemble");
-    for (const Scored c : columns) {
-        std::string name = name_of(c, variants.front().observed.strain, last_strain);
-        name = name.substr(0, name.find("_percent"));
-        std::ranges::replace(name, '_', ' ');
-        text += fmt::format("{:>21}", name);
-    }
-    for (const ScoredVariant& v : variants) {
-        text += fmt::format("\n{:36}", folder_of(v.pressure) + " " + v.name);
-        for (const Scored c : columns) {
-            const RatioInterval r = ratios_of(v.scores, static_cast<std::size_t>(c)).over_prior;
-            text +=
-                fmt::format("{:>21}", fmt::format("{:.2f} ({:.2f}-{:.2f})", r.mean, r.low, r.high));
-        }
-    }
-    return text + "\n";
+    summary.add("specimens_scored", v.scores.size());
+    summary.show({"friction_true_on_learned_slope", "friction_log_rms_error",
+                  "friction_inside_band", "specimens_scored"});
+    return summary;
 }
 
 void write_scores(const std::filesystem::path& csv, const std::vector<ScoredVariant>& variants,

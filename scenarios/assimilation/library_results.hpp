@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/summary.hpp"
+#include "engine/report.hpp"
 #include "scenarios/assimilation/library_score.hpp"
 
 #include <filesystem>
@@ -26,14 +26,10 @@ struct Variant {
 };
 std::vector<Variant> compared_variants(const LibraryObservations& asked, bool can_observe_sensors);
 
-/// Adds the scores to a summary, with keys that begin with `prefix`: for each quantity the ratios
-/// of errors to the prior and to single runs with their 95 % intervals, the share of numbers inside
-/// the 90 % band, and the ratio of CRPS; and how well friction is estimated.
-void add_scores(Summary& summary, const std::string& prefix, const ScoredVariant& scored,
-                double last_strain);
-
-/// One line of text for each variant: ratios to the prior, and to a single run.
-std::string table_of(const std::vector<ScoredVariant>& variants, double last_strain);
+/// The scores: for each quantity the ratios of errors to the prior and to single runs with their
+/// 95 % intervals, the share of numbers inside the 90 % band, and the ratio of CRPS; and how well
+/// friction is estimated.
+Report scores_of(const ScoredVariant& scored, double last_strain);
 
 /// Writes all ratios as CSV, one line for each variant, pressure and quantity. Throws OutputError.
 void write_scores(const std::filesystem::path& csv, const std::vector<ScoredVariant>& variants,

@@ -78,6 +78,6 @@ std::vector<TriaxialPoint> points_of(const TestPrediction& prediction,
 
 /// Mean and band of a predicted curve for a plot against axial strain in per cent, in one colour.
 std::vector<Curve> curves_of(const TestPrediction& prediction, const PredictedCurve& curve,
-                             double scale, const char* label = "library, 90 % band");
+                             double scale, const char* label = "library (dashed: 90 % band)");
 
 } // namespace bris

@@ -1,6 +1,7 @@
 #include "scenarios/assimilation/live_model.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/message.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/twin.hpp"
 
@@ -114,9 +115,9 @@ void LiveModel::catch_up_to(std::size_t points) {
         catching_up_->advance_to(points);
     } catch (const SimulationError&) { // the members that were stopped are reported already
         lost_second_at_ = next_strain();
-        fmt::print("too few members of the second generation are left at {:.2f} % of axial strain: "
-                   "the first generation continues to provide the forecast\n",
-                   100 * lost_second_at_);
+        say(fmt::format("warning: too few members of the second generation are left at {:.2f} % of "
+                        "axial strain: the first generation continues to provide the forecast",
+                        100 * lost_second_at_));
         retired_ = std::exchange(catching_up_, {});
     }
 }

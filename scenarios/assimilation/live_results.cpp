@@ -10,7 +10,8 @@
 namespace bris {
 
 void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
-               const std::vector<std::vector<double>>& rows, const LivePrediction& prediction) {
+               const std::vector<std::vector<double>>& rows, const LivePrediction& prediction,
+               double learned_strain) {
     std::vector<Plot> panels;
     const auto panel = [&](const char* title, const char* label, const MakeCurve& make) {
         panels.push_back({.title = title,
@@ -24,8 +25,9 @@ void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
     Plot friction{.title = "Estimated friction coefficient (dashed: one standard deviation)",
                   .x_label = "axial strain (%)",
                   .y_label = "friction"};
-    for (const double sign : {0.0, 1.0, -1.0}) { // without labels: all in one colour
-        Curve curve{.style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
+    for (const double sign : {0.0, 1.0, -1.0}) { // those without labels in the same colour
+        Curve curve{.label = sign == 0 ? "estimate" : "",
+                    .style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
         for (const auto& row : rows) {
             curve.x.push_back(100 * row[0]);
             curve.y.push_back(row[3] + sign * row[4]);
@@ -40,6 +42,7 @@ void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
         for (Curve& c : curves_of(prediction.last(), p.volume, 100))
             panels[1].curves.push_back(std::move(c));
     }
+    for (Plot& plot : panels) mark_end_of_learning(plot, learned_strain);
     if (const RingEstimate& rings = prediction.rings(); rings.not_made.empty()) {
         panels.push_back({.title = fmt::format("Rings at {:g} %", 100 * rings.strain),
                           .x_label = "radial strain, widening positive (%)",

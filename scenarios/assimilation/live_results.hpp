@@ -12,6 +12,7 @@ namespace bris {
 /// `rows`: of each stage axial strain, q, volumetric strain, friction and its deviation. Throws
 /// OutputError.
 void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
-               const std::vector<std::vector<double>>& rows, const LivePrediction& prediction);
+               const std::vector<std::vector<double>>& rows, const LivePrediction& prediction,
+               double learned_strain);
 
 } // namespace bris

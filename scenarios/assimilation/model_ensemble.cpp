@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/estimation/parameter_estimate.hpp"
+#include "engine/message.hpp"
 
 #include <fmt/format.h>
 
@@ -49,7 +50,7 @@ std::vector<ModelVariant> variants_of(const std::vector<RockParameters>& paramet
 void remove_stopped(Ensemble& members) {
     for (std::size_t j = members.runs.size(); j-- > 0;) {
         if (members.runs[j].stopped.empty()) continue;
-        fmt::print("ensemble member left out: {}\n", members.runs[j].stopped);
+        say(fmt::format("warning: an ensemble member is left out: {}", members.runs[j].stopped));
         if (members.runs.size() <= ParameterEstimate::fewest_members)
             throw SimulationError(members.runs[j].stopped);
         members.runs.erase(members.runs.begin() + static_cast<std::ptrdiff_t>(j));

@@ -128,8 +128,8 @@ void write_rings(const std::filesystem::path& csv, const RingEstimate& r,
 
 std::vector<Curve> curves_of(const RingEstimate& r, const std::string& label) {
     std::vector<Curve> curves;
-    const std::string used =
-        r.without_sensors.empty() ? "volume and sensors, 90 % band" : "volume, 90 % band";
+    const std::string used = r.without_sensors.empty() ? "volume and sensors (dashed: 90 % band)"
+                                                       : "volume (dashed: 90 % band)";
     curves.push_back(ring_curve(label.empty() ? used : label, r.mean, Curve::Style::line));
     for (const auto* edge : {&r.low, &r.high})
         curves.push_back(ring_curve("", *edge, Curve::Style::dashed));

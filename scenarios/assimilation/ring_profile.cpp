@@ -173,19 +173,4 @@ void write_ring_scores(const std::filesystem::path& csv, const std::vector<RingS
     write_whole(csv, text);
 }
 
-std::string table_of(const std::vector<RingScore>& scores) {
-    std::string text =
-        fmt::format("{:44}{:>22}{:>22}{:>8}\n", "profile of the rings now, error over",
-                    "a single specimen", "mean scaled by volume", "inside");
-    const auto interval = [](const RatioInterval& r) {
-        return fmt::format("{:.2f} ({:.2f}-{:.2f})", r.mean, r.low, r.high);
-    };
-    for (const RingScore& s : scores)
-        text += fmt::format(
-            "{:44}{:>22}{:>22}{:>8.2f}\n",
-            fmt::format("{} at {:g} % {}", folder_of(s.pressure), 100 * s.strain, s.variant),
-            interval(s.over_single), interval(s.over_scaled_mean), s.inside);
-    return text;
-}
-
 } // namespace bris

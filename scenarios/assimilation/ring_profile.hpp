@@ -70,7 +70,4 @@ std::vector<RingScore> score_rings(const SpecimenLibrary& library);
 /// Writes the scores as CSV. Throws OutputError.
 void write_ring_scores(const std::filesystem::path& csv, const std::vector<RingScore>& scores);
 
-/// One line of text for each score.
-std::string table_of(const std::vector<RingScore>& scores);
-
 } // namespace bris

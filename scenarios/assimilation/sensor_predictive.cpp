@@ -193,25 +193,4 @@ void write_suspicions(const std::filesystem::path& csv, const std::vector<Suspic
     write_whole(csv, text);
 }
 
-std::string table_of(const std::vector<SuspicionScore>& scores) {
-    std::string text = fmt::format("{:44}{:>22}{:>22}{:>22}\n", "suspected displacements, fault",
-                                   "beside the membrane", "in the centre", "tests with any");
-    const auto range = [&](const std::string& fault, double SuspicionScore::*share) {
-        double low = 1, high = 0;
-        for (const SuspicionScore& s : scores)
-            if (s.fault == fault) {
-                low = std::min(low, s.*share);
-                high = std::max(high, s.*share);
-            }
-        return fmt::format("{:.3f} to {:.3f}", low, high);
-    };
-    for (std::size_t k = 0; k < std::min(faults().size(), scores.size()); ++k) {
-        const std::string& fault = scores[k].fault;
-        text += fmt::format(
-            "{:44}{:>22}{:>22}{:>22}\n", fault, range(fault, &SuspicionScore::beside),
-            range(fault, &SuspicionScore::centre), range(fault, &SuspicionScore::tests));
-    }
-    return text;
-}
-
 } // namespace bris

@@ -70,7 +70,4 @@ std::vector<SuspicionScore> score_suspicions(const SpecimenLibrary& library);
 /// Writes the scores as CSV. Throws OutputError.
 void write_suspicions(const std::filesystem::path& csv, const std::vector<SuspicionScore>& scores);
 
-/// A line of text for each fault, with the ranges over pressures and strains.
-std::string table_of(const std::vector<SuspicionScore>& scores);
-
 } // namespace bris

@@ -1,6 +1,7 @@
 #include "scenarios/assimilation/smart_results.hpp"
 
 #include "engine/io/plot.hpp"
+#include "engine/report.hpp"
 #include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/library_sensors.hpp"
@@ -34,39 +35,55 @@ Points at_strains_of(const Points& others, const Points& points) {
     return some;
 }
 
-/// Adds numbers whose keys begin with the pressure of the test.
-class TestSummary {
-public:
-    TestSummary(Summary& summary, double pressure)
-        : summary_(summary), at_(folder_of(pressure) + "_") {}
-    void add(const std::string& what, const auto& value) { summary_.add(at_ + what, value); }
-    /// Errors of DEM only and fused, and their ratio.
-    void both(const char* what, const char* unit, double without, double with) {
-        add(fmt::format("DEM_only_rmse_{}{}", what, unit), without);
-        add(fmt::format("fused_rmse_{}{}", what, unit), with);
-        add(fmt::format("error_ratio_{}", what), with / without);
+/// Adds the errors of DEM only and fused, and shows their ratio.
+void add_errors(Report& to, const char* what, const char* unit, double without, double with) {
+    to.add(fmt::format("DEM_only_rmse_{}{}", what, unit), without);
+    to.add(fmt::format("fused_rmse_{}{}", what, unit), with);
+    const std::string ratio = fmt::format("error_ratio_{}", what);
+    to.add(ratio, with / without);
+    to.show({ratio});
+}
+
+/// Shows what the library predicts, whether the test agrees, and how far this can be trusted.
+void show_prediction(Report& to, const RecordedTest& test, const TestPrediction& t) {
+    const LibraryPrediction& p = t.predicted;
+    const auto last = [](const PredictedCurve& c, const char* unit, double scale) {
+        return three_digits(scale * c.mean.back(), scale * c.low.back(), scale * c.high.back(),
+                            unit);
+    };
+    const std::string at = fmt::format(" at {:g} % of strain", 100 * t.strain.back());
+    to.show_row("predicted q" + at, last(p.q, "Pa", 1));
+    if (const auto there = stage_at(test.measured, t.strain.back(), 1e-6)) {
+        const double q = test.measured[*there].deviatoric_stress;
+        const bool inside = p.q.low.back() <= q && q <= p.q.high.back();
+        to.show_row("measured q there",
+                    three_digits(q, "Pa") + (inside ? "" : ": outside the band"));
     }
+    to.show_row("predicted volumetric strain", last(p.volume, "%", 100));
+    to.show_row("learned from", fmt::format("{:g} % of strain", 100 * t.used.strain));
+    to.show_row("distance from the library",
+                three_digits(p.distance) + (p.distance > 1 ? ": extrapolated" : ": inside"));
+}
 
-private:
-    Summary& summary_;
-    std::string at_;
-};
-
-void add_learned(TestSummary& to, const SmartTest& c, const SmartResults& s) {
-    if (!c.learned.estimates.empty())
-        for (const NamedValue& v : describe(c.learned.estimates.back().estimate))
-            to.add(v.key, std::get<double>(v.value));
-    if (!c.by_library()) return;
+void add_learned(Report& to, const RecordedTest& test, const SmartTest& c, const SmartResults& s) {
+    if (!c.learned.estimates.empty()) {
+        to.add(describe(c.learned.estimates.back().estimate));
+        to.show({"learned_friction", "learned_friction_deviation", "learned_stiffness_ratio"});
+    }
+    if (!c.by_library())
+        return to.show_sentence(c.library.not_used == "none was given" ? "" : described(c.library));
     const LibraryPrediction& p = c.library.predicted;
     to.add("library_friction", p.friction.mean[0]);
     to.add("library_friction_low", p.friction.low[0]);
     to.add("library_friction_high", p.friction.high[0]);
     to.add("library_distance", p.distance);
     to.add("members", described(*s.library, c.members));
+    to.show({"library_friction"});
+    show_prediction(to, test, c.library);
 }
 
 /// Errors of q and volumetric strain beyond the strains learned from.
-void add_curve_errors(TestSummary& to, const RecordedTest& test, const SmartTest& c,
+void add_curve_errors(Report& to, const RecordedTest& test, const SmartTest& c,
                       const SmartResults& s) {
     const Points &free = c.free.points, fused = fused_points(c, s.last_strain),
                  measured = at_strains_of(fused, test.measured);
@@ -75,9 +92,9 @@ void add_curve_errors(TestSummary& to, const RecordedTest& test, const SmartTest
     };
     constexpr auto q = &TriaxialPoint::deviatoric_stress,
                    volume = &TriaxialPoint::volumetric_strain;
-    to.both("q", "_Pa", error(free, q, to_the_end), error(fused, q, to_the_end));
-    to.both("volumetric_strain", "", error(free, volume, to_the_end),
-            error(fused, volume, to_the_end));
+    add_errors(to, "q", "_Pa", error(free, q, to_the_end), error(fused, q, to_the_end));
+    add_errors(to, "volumetric_strain", "", error(free, volume, to_the_end),
+               error(fused, volume, to_the_end));
     if (s.last_strain > 0.04) { // at larger strain specimens diverge
         to.add("error_ratio_q_to_4_percent", error(fused, q, 0.04) / error(free, q, 0.04));
         to.add("error_ratio_volumetric_strain_to_4_percent",
@@ -98,18 +115,18 @@ void add_curve_errors(TestSummary& to, const RecordedTest& test, const SmartTest
 }
 
 /// Errors of the rings at the end of the test.
-void add_ring_errors(TestSummary& to, const RecordedTest& test, const SmartTest& c) {
+void add_ring_errors(Report& to, const RecordedTest& test, const SmartTest& c) {
     const ModelRun& fused = c.running.front();
     const Misfit without = misfit_of(c.free, test);
     if (!c.by_library()) {
-        to.both("ring_strain", "", without.ring_strain, misfit_of(fused, test).ring_strain);
+        add_errors(to, "ring_strain", "", without.ring_strain, misfit_of(fused, test).ring_strain);
         return;
     }
     if (!c.rings.not_made.empty()) return;
     const auto measured = ring_strains(test.measured, c.rings.strain);
     const double error = ring_difference(c.rings.mean, measured);
-    to.both("ring_strain", "",
-            ring_difference(ring_strains(c.free.points, c.rings.strain), measured), error);
+    add_errors(to, "ring_strain", "",
+               ring_difference(ring_strains(c.free.points, c.rings.strain), measured), error);
     to.add("fused_rings_over_mean_profile", error / ring_difference(c.rings.scaled_mean, measured));
 }
 
@@ -142,7 +159,7 @@ SensorErrors sensor_errors(const RecordedTest& test, const SmartTest& c, const S
     return {std::sqrt(free / count), std::sqrt(fused / count)};
 }
 
-void add_sensor_errors(TestSummary& to, const RecordedTest& test, const SmartTest& c,
+void add_sensor_errors(Report& to, const RecordedTest& test, const SmartTest& c,
                        const SmartResults& s) {
     const StrainRange range = s.scored(to_the_end);
     const SensorErrors errors =
@@ -150,7 +167,28 @@ void add_sensor_errors(TestSummary& to, const RecordedTest& test, const SmartTes
             ? sensor_errors(test, c, s)
             : SensorErrors{misfit_of(c.free, test, range).sensor_displacement,
                            misfit_of(c.running.front(), test, range).sensor_displacement};
-    to.both("sensor_displacement", "_m", errors.free, errors.fused);
+    add_errors(to, "sensor_displacement", "_m", errors.free, errors.fused);
+}
+
+/// Errors of a test whose runs have all ended.
+void add_comparison(Report& to, const RecordedTest& test, const SmartTest& c,
+                    const SmartResults& s) {
+    const ModelRun& fused = c.running.front();
+    const auto last_q = [](const Points& points) {
+        return three_digits(points.empty() ? std::nan("") : points.back().deviatoric_stress, "Pa");
+    };
+    if (!c.by_library()) {
+        to.show_row("last q measured", last_q(test.measured));
+        to.show_row("last q fused", last_q(fused.points));
+        to.show_row("last q of DEM only", last_q(c.free.points));
+    }
+    add_curve_errors(to, test, c, s);
+    add_ring_errors(to, test, c);
+    add_sensor_errors(to, test, c, s);
+    if (!s.nudged) return; // there are no corrections
+    to.add("measurements_accepted", fused.accepted);
+    to.add("fusion_work_over_boundary_work", fused.fusion_work / fused.boundary_work);
+    to.show({"measurements_accepted", "fusion_work_over_boundary_work"});
 }
 
 } // namespace
@@ -160,21 +198,18 @@ bool SmartTest::complete() const {
     return ended(free) && !running.empty() && std::ranges::all_of(running, ended);
 }
 
-void add_results(Summary& summary, const RecordedTest& test, const SmartTest& c,
+void add_results(Report& summary, const RecordedTest& test, const SmartTest& c,
                  const SmartResults& s) {
-    TestSummary to(summary, test.pressure);
-    add_learned(to, c, s);
+    Report to;
+    add_learned(to, test, c, s);
     to.add("sensors_accepted", test.recordings.size() - test.refused());
     to.add("sensors_refused", test.refused());
     to.add("machine_channels_refused", refused_channels(test));
-    if (!c.complete()) return;
-    const ModelRun& fused = c.running.front();
-    add_curve_errors(to, test, c, s);
-    add_ring_errors(to, test, c);
-    add_sensor_errors(to, test, c, s);
-    if (!s.nudged) return; // there are no corrections
-    to.add("measurements_accepted", fused.accepted);
-    to.add("fusion_work_over_boundary_work", fused.fusion_work / fused.boundary_work);
+    to.show_row("sensors accepted", fmt::format("{} of {}", test.recordings.size() - test.refused(),
+                                                test.recordings.size()));
+    to.show({"machine_channels_refused"});
+    if (c.complete()) add_comparison(to, test, c, s);
+    summary.add_part(folder_of(test.pressure), to);
 }
 
 void write_runs(const std::filesystem::path& folder, const SmartTest& c, const SmartResults& s) {
@@ -190,8 +225,8 @@ void write_runs(const std::filesystem::path& folder, const SmartTest& c, const S
 }
 
 void draw_results(const std::filesystem::path& out, const std::vector<RecordedTest>& tests,
-                  const std::vector<SmartTest>& computed) {
-    constexpr auto of_fused = "fused, 90 % band";
+                  const std::vector<SmartTest>& computed, double learned_strain) {
+    constexpr auto of_fused = "fused (dashed: 90 % band)";
     std::vector<Plot> panels;
     for (std::size_t k = 0; k < tests.size(); ++k) {
         const SmartTest& c = computed[k];
@@ -208,6 +243,7 @@ void draw_results(const std::filesystem::path& out, const std::vector<RecordedTe
             panels.back().curves.pop_back(); // the place of the model that learns
             std::ranges::move(by_library, std::back_inserter(panels.back().curves));
         };
+        const auto mark = [&] { mark_end_of_learning(panels.back(), learned_strain); };
         const auto with_members = [&](const PredictedCurve& curve, double scale,
                                       double TriaxialPoint::*value) {
             if (!c.by_library()) return std::vector<Curve>{};
@@ -221,9 +257,11 @@ void draw_results(const std::filesystem::path& out, const std::vector<RecordedTe
         panel("Deviatoric stress", "axial strain (%)", "q (kPa)",
               curves_of(1e-3, &TriaxialPoint::deviatoric_stress),
               with_members(c.library.predicted.q, 1e-3, &TriaxialPoint::deviatoric_stress));
+        mark();
         panel("Volumetric strain", "axial strain (%)", "volumetric strain (%)",
               curves_of(100, &TriaxialPoint::volumetric_strain),
               with_members(c.library.predicted.volume, 100, &TriaxialPoint::volumetric_strain));
+        mark();
         panel("Rings at the end of the test", "radial strain, widening positive (%)",
               "ring, from below", profile_of,
               c.rings.not_made.empty() ? curves_of(c.rings, of_fused) : std::vector<Curve>{});

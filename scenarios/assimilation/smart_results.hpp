@@ -1,7 +1,6 @@
 #pragma once
 
-#include "engine/scenario.hpp"
-#include "engine/summary.hpp"
+#include "engine/report.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/library_member.hpp"
 #include "scenarios/assimilation/library_use.hpp"
@@ -44,7 +43,7 @@ struct SmartResults {
 };
 
 /// Adds the numbers of a test to the summary, with the pressure in front of each key.
-void add_results(Summary& summary, const RecordedTest& test, const SmartTest& computed,
+void add_results(Report& summary, const RecordedTest& test, const SmartTest& computed,
                  const SmartResults& settings);
 
 /// Writes the curves of all runs of a test that were not stopped into its folder: dem_only.csv, and
@@ -55,6 +54,6 @@ void write_runs(const std::filesystem::path& folder, const SmartTest& computed,
 /// Draws q, volumetric strain and rings of all tests into smart_triaxial.png, and the sensor rocks
 /// of each test into smart_rocks.png in its folder.
 void draw_results(const std::filesystem::path& out, const std::vector<RecordedTest>& tests,
-                  const std::vector<SmartTest>& computed);
+                  const std::vector<SmartTest>& computed, double learned_strain);
 
 } // namespace bris

@@ -50,10 +50,6 @@ void TwinExperiment::make_specimens() {
         model_ = make_model_specimen(t_.triaxial, test_, true_, t_.mismatch, common_,
                                      progress_slot(progress_));
     progress_.pause();
-    if (t_.mismatch.packing > 0)
-        fmt::print(
-            "another packing: only the sensor rocks correspond to rocks of the truth, so the "
-            "errors of all other rocks are omitted\n");
 }
 
 std::vector<ModelRun> TwinExperiment::run_all(const std::vector<ModelVariant>& variants,

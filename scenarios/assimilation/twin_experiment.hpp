@@ -1,8 +1,7 @@
 #pragma once
 
 #include "engine/progress.hpp"
-#include "engine/scenario.hpp"
-#include "engine/summary.hpp"
+#include "engine/report.hpp"
 #include "scenarios/assimilation/analysis.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/run_models.hpp"
@@ -46,10 +45,10 @@ private:
     /// Number of groups of rocks whose errors are reported: the sensor rocks and shells about them.
     /// In another packing only the sensor rocks have the positions of the truth.
     std::size_t shells() const;
-    void add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
-    void add_properties(Summary& summary, const std::string& name, const ModelRun& run) const;
-    void add_starts(Summary& summary) const;
-    void add_learned(Summary& summary, const Assimilated& assimilated) const;
+    void add_variant(Report& summary, std::size_t k, const TwinErrors* of_free) const;
+    Report properties(const ModelRun& run) const;
+    void add_starts(Report& summary) const;
+    void add_learned(Report& summary, const Assimilated& assimilated) const;
     void draw() const;
 
     const TwinSettings& t_;

@@ -1,5 +1,6 @@
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
+#include "engine/report.hpp"
 #include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/layouts.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
@@ -32,50 +33,67 @@ void visit_errors(const TwinErrors& e, std::size_t shells, auto&& visit) {
         visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
 }
 
+/// Whether an error is shown, and not only written: stress, and the rocks with sensors and next to
+/// them.
+bool is_shown(const std::string& error) {
+    return error == "q" || error == "displacement_sensors" || error == "displacement_shell_1";
+}
+
+/// What the sensors contributed to a run.
+void add_fusion(Report& own, const ModelRun& run, bool computed) {
+    own.add("measurements_accepted", run.accepted);
+    own.add("measurements_refused", run.refused);
+    own.show({"measurements_accepted", "measurements_refused"});
+    if (computed) return own.add("sensors_inconsistent_from", run.inconsistent_from);
+    own.add("fusion_work_over_boundary_work", run.fusion_work / run.boundary_work);
+    own.add("corrections_reduced", run.reduced);
+    own.add("corrections_withheld", run.withheld);
+    own.show({"fusion_work_over_boundary_work"});
+}
+
 } // namespace
 
 std::size_t TwinExperiment::shells() const {
     return t_.mismatch.packing > 0 ? 1 : shell_names.size();
 }
 
-void TwinExperiment::add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
+void TwinExperiment::add_variant(Report& summary, std::size_t k, const TwinErrors* of_free) const {
     const std::string& name = variants_[k].name;
-    const auto add = [&](const char* what, const auto& value) {
-        summary.add(fmt::format("{}_{}", name, what), value);
-    };
+    Report own;
     std::map<std::string, double> free;
     if (of_free && name != "free")
         visit_errors(*of_free, shells(),
                      [&](const std::string& what, const char*, double e) { free[what] = e; });
-    visit_errors(
-        errors_of(runs_[k], truth_), shells(),
-        [&](const std::string& what, const char* unit, double e) {
-            summary.add(fmt::format("{}_rmse_{}{}{}", name, what, *unit ? "_" : "", unit), e);
-            if (free.contains(what))
-                summary.add(fmt::format("{}_error_ratio_{}", name, what), e / free.at(what));
-        });
-    add("steps", runs_[k].steps);
-    add("wall_time_s", runs_[k].wall_time);
-    add_properties(summary, name, runs_[k]);
-    if (variants_[k].trajectories.empty()) return;
-    add("measurements_accepted", runs_[k].accepted);
-    add("measurements_refused", runs_[k].refused);
-    if (is_computed(name)) return add("sensors_inconsistent_from", runs_[k].inconsistent_from);
-    add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].boundary_work);
-    add("corrections_reduced", runs_[k].reduced);
-    add("corrections_withheld", runs_[k].withheld);
+    visit_errors(errors_of(runs_[k], truth_), shells(),
+                 [&](const std::string& what, const char* unit, double e) {
+                     const std::string error =
+                                           fmt::format("rmse_{}{}{}", what, *unit ? "_" : "", unit),
+                                       ratio = "error_ratio_" + what;
+                     own.add(error, e);
+                     if (is_shown(what)) own.show({error});
+                     if (!free.contains(what)) return;
+                     own.add(ratio, e / free.at(what));
+                     if (is_shown(what)) own.show({ratio});
+                 });
+    own.add("steps", runs_[k].steps);
+    own.add("wall_time_s", runs_[k].wall_time);
+    own.add_part("", properties(runs_[k]));
+    if (!variants_[k].trajectories.empty()) add_fusion(own, runs_[k], is_computed(name));
+    summary.add_part(name, own);
 }
 
-void TwinExperiment::add_properties(Summary& summary, const std::string& name,
-                                    const ModelRun& run) const {
-    const TriaxialProperties properties = properties_of(run.points, test_.confining_pressure);
-    summary.add(name + "_secant_modulus_E50_Pa", properties.secant_modulus);
-    summary.add(name + "_poisson_ratio_E50", properties.poisson_ratio);
-    summary.add(name + "_peak_friction_angle_deg", properties.peak_friction_angle);
+Report TwinExperiment::properties(const ModelRun& run) const {
+    const TriaxialProperties p = properties_of(run.points, test_.confining_pressure);
+    Report own;
+    own.add("secant_modulus_E50_Pa", p.secant_modulus);
+    own.add("poisson_ratio_E50", p.poisson_ratio);
+    own.add("peak_friction_angle_deg", p.peak_friction_angle);
+    own.show({"secant_modulus_E50_Pa", "peak_friction_angle_deg"});
+    return own;
 }
 
 /// Adds the differences between the specimens of model and truth at the start of shearing.
-void TwinExperiment::add_starts(Summary& summary) const {
+void TwinExperiment::add_starts(Report& summary) const {
     if (!model_) return;
     const auto put = [&](const std::string& whose, const ModelRun& run) {
         summary.add(whose + "_core_porosity", run.core_porosity);
@@ -99,11 +117,12 @@ void TwinExperiment::add_starts(Summary& summary) const {
 }
 
 /// Adds the estimates of friction and stiffness.
-void TwinExperiment::add_learned(Summary& summary, const Assimilated& assimilated) const {
+void TwinExperiment::add_learned(Report& summary, const Assimilated& assimilated) const {
     const auto& estimates = assimilated.learned.estimates;
     const Gaussian last =
         estimates.empty() ? prior_of(t_.model, learning_) : estimates.back().estimate;
-    for (const NamedValue& v : describe(last)) summary.add(v);
+    summary.add(describe(last));
+    summary.show({"learned_friction", "learned_stiffness_ratio"});
     summary.add("learned_squared_distance_of_truth",
                 squared_distance(last, logarithms_of({test_.friction, 1})));
     summary.add("learning_wall_time_s", assimilated.wall);
@@ -134,6 +153,7 @@ void TwinExperiment::draw() const {
         for (std::size_t k = 0; k < variants_.size(); ++k)
             if (variants_[k].name != "free")
                 plot.curves.push_back(curve_of(variants_[k].name, runs_[k].points, scale, value));
+        if (assimilated_) mark_end_of_learning(plot, learning_.final_strain);
         return plot;
     };
     draw_plots(common_.out / "twin.png",
@@ -142,16 +162,17 @@ void TwinExperiment::draw() const {
 }
 
 void TwinExperiment::report() const {
-    Summary summary;
+    Report summary;
     const auto free = std::ranges::find(names_, "free");
     std::optional<TwinErrors> of_free;
     if (free != names_.end())
         of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
     for (std::size_t k = 0; k < variants_.size(); ++k)
         add_variant(summary, k, of_free ? &*of_free : nullptr);
-    add_properties(summary, "truth", truth_);
+    summary.add_part("truth", properties(truth_));
     add_starts(summary);
     summary.add("sensors_refused", observations_->refused);
+    summary.show({"sensors_refused"});
     if (assimilated_) add_learned(summary, *assimilated_);
     for (std::size_t k = 0; k < variants_.size(); ++k)
         if (!runs_[k].analyses.empty())
@@ -164,6 +185,11 @@ void TwinExperiment::report() const {
                                   {.position_noise = t_.sensors.position_noise,
                                    .attitude_noise = t_.sensors.attitude_noise,
                                    .seed = common_.seed}));
+    summary.show_sentence("Errors are root mean squares over the test, and ratios are those of a "
+                          "variant over those of the model without assimilation (free).");
+    if (t_.mismatch.packing > 0)
+        summary.show_sentence("The model has another packing: only its sensor rocks are those of "
+                              "the truth, so there are no errors of other rocks.");
     report_results(common_, summary);
 }
 

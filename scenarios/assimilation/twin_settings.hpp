@@ -38,11 +38,11 @@ struct TwinSettings {
         option.group("Twin experiment");
         option(
             "variants", variants, "",
-            "Variants of the model, separated by commas. none: run the truth only. free: no "
-            "assimilation. inserted: direct insertion of the sensor rocks' poses, as in the "
-            "SmartRock report. nudged: sensor rocks nudged by springs of bounded force. analysis: "
-            "the forecast of ensemble members that learned friction and stiffness, with the "
-            "recordings of the sensors extended to all rocks.");
+            "Variants of the model that are compared, separated by commas. free: the model runs "
+            "without recordings. inserted: sensor rocks are set to their recorded poses, as in the "
+            "SmartRock report. nudged: springs of bounded force pull sensor rocks to their "
+            "recorded poses. analysis: ensemble members learn friction and stiffness, and their "
+            "forecast is corrected for all rocks by the recordings. none: only the truth runs.");
         option("model_friction", model.friction, "",
                "Friction coefficient between rocks in the model. The true one is --friction.",
                above(0, 100));
@@ -52,28 +52,28 @@ struct TwinSettings {
         learning.describe(option);
         option("layouts", layouts, "",
                "Try other layouts of sensor rocks (how many, which ones, how often they are "
-               "sampled) and write the error that remains in rocks without sensors (layouts.csv).");
+               "sampled) with the variant analysis, and write the errors that remain in rocks "
+               "without sensors to layouts.csv.");
         option("record", record, "",
-               "Folder for the recordings of the truth's sensors, in the form that smart_triaxial "
-               "reads. Empty: no recordings are written.");
+               "Folder into which the recordings of the truth's sensors are written, in the form "
+               "that smart_triaxial reads. Empty: no recordings are written.");
         option("record_format", record_format, "", "Format of these recordings.", {"csv", "hdf5"});
         option("filter", filter, "",
-               "Filter that turns recordings into corrections. printed: as printed in the "
-               "SmartRock report. corrected: the same filter without its errors, as an error-state "
-               "filter.",
+               "Filter that turns recordings into corrections. printed: the filter as the "
+               "SmartRock report prints it. corrected: the same filter without its errors.",
                filter_names);
         option("sensor_mode", sensors.mode, "",
-               "Observations by the sensors. ideal: displacement and attitude without error. "
-               "tracked: displacement and attitude with noise. inertial: an inertial sensor with "
-               "quality control, which observes tilt only.",
+               "What the sensors observe. ideal: displacement and attitude without error. "
+               "tracked: displacement and attitude with noise. inertial: the tilt, which is all "
+               "that an inertial sensor can observe here.",
                sensor_modes);
         option("imu", sensors.imu, "",
-               "Model of the inertial sensor for inertial and for --record.",
+               "Inertial sensor for --sensor-mode inertial and for --record.",
                {"lab-grade", "smartrock-like", "cheap"});
         option("interval", sensors.interval, "", "Axial strain between samples.", above(0, 1));
         option("injection_steps", corrections.injection_steps, "",
-               "Number of time steps over which a correction is applied. 1: at once, as in the "
-               "SmartRock report.",
+               "Number of time steps over which a correction is applied. 1: corrections are "
+               "applied at once, as in the SmartRock report.",
                within(1, 1e6));
         option("largest_shift", corrections.largest_shift, "m",
                "Largest displacement of a sensor rock by direct insertion in a time step. 0: no "

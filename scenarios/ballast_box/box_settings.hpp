@@ -212,7 +212,7 @@ void BallastBox::describe_track(auto& option) {
     option("tie_support", tie_support, "N/m",
            "Support of a tie when the rails distribute the loads.", within(1e5, 1e10));
     option("bladder_pressure", bladder_pressure, "Pa",
-           "Pressure in the bladder beside the shoulder while it is inflated.", within(0, 1e6));
+           "Pressure in the bladder next to the shoulder while it is inflated.", within(0, 1e6));
     option("tie_level", tie_level, "m",
            "Height of the lower side of the ties when they are placed. 0: on the ballast.",
            within(0, 1));

@@ -6,6 +6,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/ordering.hpp"
+#include "engine/report.hpp"
 #include "engine/resume.hpp"
 #include "scenarios/specimens/start.hpp"
 #include "systems/broadphase/lists.hpp"
@@ -137,10 +138,13 @@ Phase BulkRun::bed_phase() {
 void BulkRun::report_bed() {
     run_.save_as("bed");
     progress_.pause();
-    fmt::print("bed: {} grains, {} steps, {:.4f} s; kinetic energy / (weight x radius) {:.2e}, "
-               "unbalanced ratio {:.4f}, coordination number {:.2f}; in {}\n",
-               free_bodies(world()), bed().steps, bed().time, bed().kinetic_ratio,
-               bed().unbalanced_ratio, bed().coordination, (common_.out / "bed.ckpt.h5").string());
+    report_news(
+        common_,
+        fmt::format("bed: {} grains, {} steps, {:.4f} s; kinetic energy / (weight x radius) "
+                    "{:.2e}, unbalanced ratio {:.4f}, coordination number {:.2f}; in {}",
+                    free_bodies(world()), bed().steps, bed().time, bed().kinetic_ratio,
+                    bed().unbalanced_ratio, bed().coordination,
+                    (common_.out / "bed.ckpt.h5").string()));
 }
 
 Phase BulkRun::case_phase() {
@@ -207,8 +211,8 @@ void BulkRun::keep_view() {
     views_.push_back(std::move(view));
 }
 
-void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
-    Summary summary = results;
+void BulkRun::report(const Report& results, std::vector<Plot> plots) {
+    Report summary = results;
     summary.add("simulated_time_s", clock().time());
     summary.add("step_s", clock().dt);
     summary.add("largest_overlap_of_all_samples_m", extremes_.overlap);
@@ -223,6 +227,8 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     summary.add("rebuilds", world().resource<ListState>().rebuilds);
     summary.add("prunes", world().resource<ListState>().prunes);
     run_.describe(summary);
+    summary.show({"bed_at_rest", "simulated_time_s", "steps", "step_over_least_stable_step",
+                  "largest_overlap_of_all_samples_m", "wall_time_s"});
     progress_.pause();
     series_.write_csv(common_.out / "curve.csv");
     series_.write_track(frames_->file());

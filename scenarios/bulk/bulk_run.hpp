@@ -3,9 +3,9 @@
 #include "components/settings.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "engine/simulation.hpp"
-#include "engine/summary.hpp"
 #include "scenarios/bulk/bulk_bed.hpp"
 #include "scenarios/specimens/last_quantities.hpp"
 #include "scenarios/specimens/write_option.hpp"
@@ -62,7 +62,7 @@ public:
     const Series& series() const { return series_; }
     /// Writes the curve, the pictures and summary.json, and prints the summary: `results` first,
     /// then the values that all cases share.
-    void report(const Summary& results, std::vector<Plot> plots);
+    void report(const Report& results, std::vector<Plot> plots);
     /// The reference curve that --reference names; empty without one.
     std::vector<Curve> reference() const;
 

@@ -2,9 +2,8 @@
 
 #include "engine/ensemble.hpp"
 #include "engine/progress.hpp"
+#include "engine/report.hpp"
 #include "engine/run.hpp"
-#include "engine/scenario.hpp"
-#include "engine/summary.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -40,16 +39,10 @@ auto run_tests(const std::vector<Test>& tests, double samples, const Common& com
     return runs;
 }
 
-/// Adds the summaries of all tests; with several, each key begins with the name of its test.
+/// Adds the summaries of all tests; several are parts with the names of their tests.
 template <class Runs>
-void add_results_of_tests(Summary& all, const Runs& runs) {
-    for (const auto& one : runs) {
-        const Summary own = one->summary();
-        for (NamedValue entry : own.entries()) {
-            if (runs.size() > 1) entry.key = one->name() + "_" + entry.key;
-            all.add(entry);
-        }
-    }
+void add_results_of_tests(Report& all, const Runs& runs) {
+    for (const auto& one : runs) all.add_part(runs.size() > 1 ? one->name() : "", one->summary());
 }
 
 } // namespace bris

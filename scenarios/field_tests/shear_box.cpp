@@ -91,12 +91,11 @@ void check_shear_box(const ShearBox& box) {
     require(!box.normal_stress.empty(), "--normal-stress: expected at least one, found none");
     require(!box.vci.empty(), "--vci: expected at least one, found none");
     require(std::ranges::max(box.vci) == 0 || !box.fouling.any(),
-            "--vci: expected no --fouling-p4, --fouling-file and --saturation beside values above "
+            "--vci: expected no --fouling-p4, --fouling-file and --saturation with values above "
             "0, found them");
-    require(
-        box.fines != "grains" || !box.fouling.any(),
-        "--fines: expected no --fouling-p4, --fouling-file and --saturation beside grains, whose "
-        "amount is that of --vci, found them");
+    require(box.fines != "grains" || !box.fouling.any(),
+            "--fines: expected no --fouling-p4, --fouling-file and --saturation with grains, whose "
+            "amount is that of --vci, found them");
     require(
         box.displacement <= box.length / 3,
         fmt::format("--displacement: expected at most a third of --length, {:g} m, found {:g} m",

@@ -53,7 +53,7 @@ void check_tie_bed(const TieBed& bed) {
     require(!bed.vci.empty() && std::ranges::adjacent_find(sorted) == sorted.end(),
             "--vci: expected one or more different values, found none or equal ones");
     require(sorted.back() == 0 || !bed.fouling.any(),
-            "--vci: expected no --fouling-p4, --fouling-file and --saturation beside values above "
+            "--vci: expected no --fouling-p4, --fouling-file and --saturation with values above "
             "0, found them");
     require(bed.spacing >= 1.5 * bed.tie_width,
             fmt::format("--spacing: expected at least 1.5 times --tie-width, {:g} m, found {:g} m",

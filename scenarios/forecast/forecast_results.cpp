@@ -2,6 +2,7 @@
 
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
+#include "engine/report.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double low = 0.05, high = 0.95; // ends of the 90 % band
 
-void add_rock(Summary& summary, const ForecastResults& r, std::size_t rock) {
+void add_rock(Report& summary, const ForecastResults& r, std::size_t rock) {
     const DeflectionForecast& f = r.forecast.rocks[rock];
     const std::string& name = r.names[rock];
     const auto add = [&](const char* what, double metres) {
@@ -26,6 +27,7 @@ void add_rock(Summary& summary, const ForecastResults& r, std::size_t rock) {
     add("next_deflection_median", f.quantile(0.5));
     add("next_deflection_low", f.quantile(low));
     add("next_deflection_high", f.quantile(high));
+    summary.show({name + "_next_deflection_median_mm"});
     if (r.found) add("next_deflection_found", r.found->rocks[rock].deflection);
 }
 
@@ -38,7 +40,7 @@ bool is_judged(const ForecastResults& r, std::size_t rock) {
     return std::ranges::find(r.recordings, rock, &JudgedRecording::sensor) != r.recordings.end();
 }
 
-void add_recordings(Summary& summary, const ForecastResults& r) {
+void add_recordings(Report& summary, const ForecastResults& r) {
     summary.add("recordings", r.recordings.size());
     summary.add("recordings_used", used_of(r));
     for (const JudgedRecording& one : r.recordings) {
@@ -167,7 +169,7 @@ std::string sentence_of(const ForecastResults& r) {
     return text;
 }
 
-void add_forecast(Summary& summary, const ForecastResults& r) {
+void add_forecast(Report& summary, const ForecastResults& r) {
     const DeflectionForecast& f = r.forecast.rocks[r.rock];
     summary.add("judged_rock", r.names[r.rock]);
     summary.add("threshold_mm", 1e3 * r.threshold);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/scenario.hpp"
+#include "engine/report.hpp"
 #include "scenarios/ballast_box/load_turns.hpp"
 #include "scenarios/forecast/passage_forecast.hpp"
 
@@ -31,7 +31,7 @@ std::string sentence_of(const ForecastResults& results);
 /// How well each recording fits the train, and how many are used. Forecasts of all rocks and the
 /// tie, what was found on a simulated site, and how many members lie in the 90 % bands that follow
 /// from all others.
-void add_forecast(Summary& summary, const ForecastResults& results);
+void add_forecast(Report& summary, const ForecastResults& results);
 
 /// A CSV file of probabilities for thresholds of 0.1 to 3 mm: by the forecast, by the members
 /// without any recording, and the share of members above the threshold under the recorded train.

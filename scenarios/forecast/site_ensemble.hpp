@@ -75,8 +75,8 @@ void SiteSpread::describe(auto& option) {
            "Sites have a friction from that of the ballast divided by this number to that times "
            "this number.",
            within(1, 2));
-    option("stiffness_spread", stiffness, "", "The same of the contact stiffness.", within(1, 10));
-    option("subgrade_spread", subgrade, "", "The same of the modulus of the subgrade.",
+    option("stiffness_spread", stiffness, "", "The same for the contact stiffness.", within(1, 10));
+    option("subgrade_spread", subgrade, "", "The same for the modulus of the subgrade.",
            within(1, 10));
     option("porosity_spread", porosity, "",
            "Sites have a porosity from --porosity minus to --porosity plus this number.",

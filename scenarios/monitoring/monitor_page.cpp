@@ -1,6 +1,7 @@
 #include "scenarios/monitoring/monitor_page.hpp"
 
 #include "engine/io/html_page.hpp"
+#include "engine/report.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 
 #include <fmt/format.h>
@@ -300,7 +301,7 @@ void draw_pictures(const std::filesystem::path& folder, const MonitorReport& rep
     if (!charts.empty()) draw_plots(folder / "charts.png", charts);
 }
 
-void add_results(Summary& summary, const MonitorReport& report) {
+void add_results(Report& summary, const MonitorReport& report) {
     const OverallVerdict overall = overall_verdict(report);
     summary.add("verdict", text_of(overall.verdict));
     summary.add("reason", overall.reason);
@@ -319,9 +320,8 @@ void add_results(Summary& summary, const MonitorReport& report) {
         const OverallVerdict v = overall_verdict(report.passages, id);
         const SensorResult& s = *most_serious_result(report.passages, id).sensor;
         const SensorBaseline* b = baseline_of(report, id);
-        const auto add = [&](const char* name, const auto& value) {
-            summary.add(fmt::format("sensor_{}_{}", id, name), value);
-        };
+        Report sensor;
+        const auto add = [&](const char* name, const auto& value) { sensor.add(name, value); };
         add("verdict", text_of(v.verdict));
         add("reason", v.reason);
         add("outlier_share", s.outlier_share);
@@ -338,7 +338,13 @@ void add_results(Summary& summary, const MonitorReport& report) {
         add("cusum_share", s.cusum_share);
         if (b != nullptr) add("baseline_outlier_share", b->outlier_share);
         if (b != nullptr) add("model_order", b->model.order());
+        sensor.show({"verdict", "outlier_share", "rms_ratio", "power_ratio"});
+        summary.add_part(fmt::format("sensor_{}", id), sensor);
     }
+    summary.show(
+        {"verdict", "passages", "passages_as_baseline", "passages_changed", "passages_not_judged"});
+    if (report.records) summary.show({"records_received", "records_left_out"});
+    summary.show_sentence(overall.reason + ".");
 }
 
 } // namespace bris

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/io/plot.hpp"
-#include "engine/summary.hpp"
+#include "engine/report.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 
@@ -40,6 +40,6 @@ void write_page(const std::filesystem::path& folder, const MonitorReport& report
 /// Draws spectra.png and charts.png, a panel for the most serious result of each sensor.
 void draw_pictures(const std::filesystem::path& folder, const MonitorReport& report);
 /// Adds the verdicts and numbers: overall, and sensor_ID_... of the most serious result of each.
-void add_results(Summary& summary, const MonitorReport& report);
+void add_results(Report& summary, const MonitorReport& report);
 
 } // namespace bris

@@ -104,9 +104,10 @@ void MonitorSettings::describe(auto& option) {
            "Share of points outside the limits above which a sensor has changed.", within(0, 1));
     option("largest_order", largest_order, "",
            "Largest order of the autoregressive model of the baseline.", within(1, 200));
-    option("criterion", criterion, "", "Criterion by which its order is chosen.", {"bic", "aic"});
-    option("method", method, "", "Method by which it is estimated.", {"burg", "yule_walker"});
-    option("ewma_weight", ewma_weight, "", "Weight of a point in its moving average.", above(0, 1));
+    option("criterion", criterion, "", "Criterion by which the order is chosen.", {"bic", "aic"});
+    option("method", method, "", "Method by which the model is estimated.",
+           {"burg", "yule_walker"});
+    option("ewma_weight", ewma_weight, "", "Weight of a point in the moving average.", above(0, 1));
     option("ewma_width", ewma_width, "", "Width of the limits of the moving average.",
            above(0, 100));
     option("cusum_allowance", cusum_allowance, "", "Allowance of the cumulative sums.",

@@ -200,18 +200,13 @@ std::vector<LibraryRow> make_library(const LibrarySettings& settings) {
 }
 
 std::string describe(const std::vector<LibraryRow>& rows) {
-    std::string text =
-        "name     n faces  volume  err_V    err_I   solid>clump mean max  clump>solid "
-        "mean max  F&E solid clump  AI solid clump hull  r_min r_max  level set\n";
+    std::string text = "name     spheres  volume error  inertia error  distance from rock mean, max"
+                       "  flat and elongated of rock, clump";
     for (const LibraryRow& row : rows)
-        text +=
-            fmt::format("{:8} {:2} {:3}  {:.4f} {:8.1e} {:.1e}  {:.4f} {:.4f}  {:.4f} {:.4f}  "
-                        "{:.3f} {:.3f}  {:.0f} {:.0f} {:.0f}  {:.3f} {:.3f}  {:.4f}\n",
-                        row.name, row.clump.balls.size(), row.faces, row.volume, row.volume_error,
-                        row.inertia_error, row.to_clump_mean, row.to_clump_max, row.to_solid_mean,
-                        row.to_solid_max, row.flat_elongated_solid, row.flat_elongated_clump,
-                        row.angularity_solid, row.angularity_clump, row.hull_angularity_clump,
-                        row.least_radius, row.greatest_radius, row.level_set_mean);
+        text += fmt::format("\n{:8} {:7}  {:12.1e}  {:13.1e}  {:23.3f}, {:.3f}  {:26.2f}, {:.2f}",
+                            row.name, row.clump.balls.size(), row.volume_error, row.inertia_error,
+                            row.to_clump_mean, row.to_clump_max, row.flat_elongated_solid,
+                            row.flat_elongated_clump);
     return text;
 }
 

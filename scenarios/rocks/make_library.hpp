@@ -51,7 +51,7 @@ struct LibraryRow {
 /// file cannot be written.
 std::vector<LibraryRow> make_library(const LibrarySettings& settings);
 
-/// The rows of the report as a table for people.
+/// The rows of the report as a table for people, without those columns that few need.
 std::string describe(const std::vector<LibraryRow>& rows);
 
 } // namespace bris

@@ -28,9 +28,9 @@ void check_fouling(const FoulingOptions& o) {
                         "{:g}, found {:g}",
                         o.settings.void_ratio, o.settings.least_void_ratio));
     require(o.file.empty() || o.p4 == 0,
-            "--fouling-file: expected no --fouling-p4 beside it, found both");
+            "--fouling-file: expected no --fouling-p4 with it, found both");
     require(o.file.empty() || o.saturation == 0 || !find_vdb(o.file, "saturation"),
-            fmt::format("--saturation: expected none beside '{}', which has a grid saturation, "
+            fmt::format("--saturation: expected none with '{}', which has a grid saturation, "
                         "found {:g}",
                         o.file.string(), o.saturation));
 }

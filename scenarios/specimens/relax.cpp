@@ -10,6 +10,7 @@
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
+#include "engine/report.hpp"
 #include "engine/simulation.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
@@ -239,10 +240,11 @@ Relaxed relax(World& world, LawName law, const RelaxSettings& settings) {
     return r;
 }
 
-void relax_start(World& world, LawName law, unsigned threads) {
-    const Relaxed r = relax(world, law, {.threads = threads});
-    fmt::print("relaxed in {} steps: largest overlap from {:.3g} to {:.3g} of a diameter\n",
-               r.steps, r.first_overlap, r.overlap);
+void relax_start(World& world, LawName law, const Common& common) {
+    const Relaxed r = relax(world, law, {.threads = common.threads});
+    report_news(common, fmt::format("relaxed in {} steps: largest overlap from {:.3g} to {:.3g} "
+                                    "of a diameter",
+                                    r.steps, r.first_overlap, r.overlap));
     if (!r.done) throw SimulationError(r.left);
 }
 

@@ -8,6 +8,8 @@
 
 namespace bris {
 
+struct Common;
+
 /// Settings of the relaxation of initial overlaps.
 struct RelaxSettings {
     /// Largest overlap accepted at the end, relative to the mean diameter of the two partners (at a
@@ -45,8 +47,8 @@ struct Relaxed {
 /// scene must be complete and have no pair lists.
 Relaxed relax(World& world, LawName law, const RelaxSettings& settings = {});
 
-/// Relaxes the start of a run and prints by how much. Throws SimulationError if large overlaps are
+/// Relaxes the start of a run and reports by how much. Throws SimulationError if large overlaps are
 /// left.
-void relax_start(World& world, LawName law, unsigned threads);
+void relax_start(World& world, LawName law, const Common& common);
 
 } // namespace bris

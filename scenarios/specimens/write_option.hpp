@@ -7,16 +7,16 @@
 
 namespace bris {
 
-/// The option --write: what goes into files beside the run file.
+/// The option --write: what goes into files next to the run file.
 struct WriteOption {
     std::string write = "nothing";
 
     /// `choices`: what the scenario has.
     void describe(auto& option, const std::vector<std::string>& choices) {
         option("write", write, "",
-               "What to write beside the run file. surfaces: the surfaces of all rocks as "
-               "triangles, 8 kB for each rock and frame. contacts: a line for each contact, with "
-               "its normal and shear force.",
+               "What to write into files next to the run file. surfaces: the surfaces of all "
+               "rocks as triangles, 8 kB for each rock and frame. contacts: a line for each "
+               "contact, with its normal and shear force.",
                choices);
     }
     Extras extras() const {

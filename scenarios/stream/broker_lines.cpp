@@ -160,7 +160,7 @@ void BrokerLines::take_samples(unsigned id, Sensor& sensor, SensorPayload p,
     if (verdict == SequenceTrack::Verdict::adopted) {
         note(fmt::format("restart {}", id),
              fmt::format(
-                 "{}: the sequence or the clock began anew: sequence {}, time {:.6g} s after "
+                 "{}: the sequence or the clock began again: sequence {}, time {:.6g} s after "
                  "{:.6g} s",
                  message.topic, p.sequence, p.time, sensor.last_time));
         for (const SensorPayload& before : std::exchange(sensor.held, {}))
@@ -181,7 +181,7 @@ bool BrokerLines::waits_or_is_of_another(unsigned id, Sensor& sensor, const Sens
     if (is_other)
         note(fmt::format("two sensors {}", id),
              fmt::format("{}: expected one sensor with this id, found two: sequence {} at {:.6g} s "
-                         "beside {:.6g} s; the first is used",
+                         "next to {:.6g} s; the first is used",
                          topic, p.sequence, p.time, sensor.last_time));
     if (is_other || verdict == held_anew) sensor.held.clear();
     if (!(std::abs(p.time - sensor.last_time) <= same_time)) return false; // the gate can tell

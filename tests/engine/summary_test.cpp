@@ -45,15 +45,6 @@ TEST_SUITE("engine/summary") {
         CHECK(summary.json() == "{\n  \"path\": \"a\xef\xbf\xbd.csv\"\n}\n");
     }
 
-    TEST_CASE("the table is aligned") {
-        Summary summary;
-        summary.add("a", 1.0 / 3);
-        summary.add("long_key", false);
-        summary.add("unknown", -std::numeric_limits<double>::quiet_NaN());
-        CHECK(summary.table("results") ==
-              "results\n  a         0.333333\n  long_key  no\n  unknown   -\n");
-    }
-
     TEST_CASE("the file replaces the old one, or the error says why not") {
         const TemporaryDirectory directory;
         Summary summary;

@@ -42,12 +42,12 @@ Keys keys_of_sources() {
         collect(keys, source(path), listed);
     const std::string smart = source("scenarios/assimilation/smart_results.cpp");
     for (const char* whose : {"DEM_only_rmse_", "fused_rmse_"}) {
-        const std::regex pair(R"re(\bboth\("(\w+)", "(\w*)",)re");
+        const std::regex pair(R"re(\badd_errors\(to, "(\w+)", "(\w*)",)re");
         for (auto match = std::sregex_iterator(smart.begin(), smart.end(), pair);
              match != std::sregex_iterator(); ++match)
             keys.insert(whose + match->str(1) + match->str(2));
     }
-    collect(keys, smart, R"re(\bboth\("(\w+)",)re", "error_ratio_");
+    collect(keys, smart, R"re(\badd_errors\(to, "(\w+)",)re", "error_ratio_");
     return keys;
 }
 

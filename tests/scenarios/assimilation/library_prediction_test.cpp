@@ -283,11 +283,9 @@ TEST_SUITE("assimilation/library_prediction") {
             CHECK((low[k] <= friction[k] && friction[k] <= high[k]) ==
                   v.scores[k].friction_is_inside());
         }
-        Summary summary;
-        add_scores(summary, "55kPa_", v, 0.08);
-        const auto& entries = summary.entries();
-        CHECK(std::ranges::count(entries, std::string("55kPa_q_1_to_4_percent_over_prior"),
+        const Report summary = scores_of(v, 0.08);
+        CHECK(std::ranges::count(summary.entries(), std::string("q_1_to_4_percent_over_prior"),
                                  &NamedValue::key) == 1);
-        CHECK(table_of({v}, 0.08).find("q 1 to 4") != std::string::npos);
+        CHECK(summary.text("", "").find("  q 1 to 4 percent over prior  ") != std::string::npos);
     }
 }

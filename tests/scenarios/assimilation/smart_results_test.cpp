@@ -51,7 +51,10 @@ struct Example {
             for (auto [to, off] : {std::pair{&computed.library.predicted, 4e3},
                                    std::pair{&computed.library.prior, 8e3}}) {
                 to->q.mean.push_back(1e5 + off);
-                to->volume.mean.push_back(-library.axis.strain(k) + 1e-7 * off);
+                to->q.low.push_back(1e5 + off - 1e3);
+                to->q.high.push_back(1e5 + off + 1e3);
+                for (auto* volume : {&to->volume.mean, &to->volume.low, &to->volume.high})
+                    volume->push_back(-library.axis.strain(k) + 1e-7 * off);
             }
         }
         for (PredictedCurve* one :
@@ -59,7 +62,7 @@ struct Example {
             one->mean = one->low = one->high = {0.7};
     }
     double number(const std::string& key) const {
-        Summary summary;
+        Report summary;
         add_results(summary, test, computed, settings);
         for (const NamedValue& v : summary.entries())
             if (v.key == "110kPa_" + key) return std::get<double>(v.value);
@@ -97,6 +100,11 @@ TEST_SUITE("assimilation/smart_results") {
         CHECK(e.number("library_friction") == 0.7);
         CHECK(e.number("member_difference_from_library") > 0);
         CHECK(std::isnan(e.number("error_ratio_sensor_displacement"))); // no recordings
+        Report shown;
+        add_results(shown, e.test, e.computed, e.settings);
+        const std::string text = shown.text("", "");
+        CHECK(text.find("104 (103 to 105) kPa\n") != std::string::npos);
+        CHECK(text.find("100 kPa: outside the band\n") != std::string::npos);
     }
 
     TEST_CASE("each run of a test has its curve, and a run that was stopped has none") {
