@@ -9,7 +9,7 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/monitoring/published_numbers.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
 #include "scenarios/stream/local_broker.hpp"
 #include "scenarios/stream/log_replay.hpp"
 #include "scenarios/stream/recorded_stream.hpp"

@@ -20,7 +20,7 @@
 #include "scenarios/assimilation/run_models.hpp"
 #include "scenarios/monitoring/preparation_time.hpp"
 #include "scenarios/monitoring/test_report.hpp"
-#include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/records/quality_control_report.hpp"
 #include "scenarios/specimens/write_option.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
 #include "scenarios/stream/run_broker.hpp"
@@ -197,8 +197,10 @@ const std::vector<RunFile::Column> columns{
 /// Adds a row to the run file for each stage. Every 0.1 % of strain it reports a line, and the
 /// verdict on the recordings if it has changed, and writes the table of all stages so far.
 void LiveRun::record_stage(const RecordedTest& so_far, double latest) {
-    const TriaxialPoint& now = model_->state().points.back();
-    rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain});
+    const TestCurves& curves = model_->state().curves;
+    const double strain = curves[quantity::axial_strain].back(),
+                 q = curves[quantity::deviatoric_stress].back();
+    rows_.push_back({strain, q, curves[quantity::volumetric_strain].back()});
     for (const NamedValue& v : describe(model_->estimate()))
         rows_.back().push_back(std::get<double>(v.value));
     frames_->file().add_row("stages", rows_.back());
@@ -212,15 +214,15 @@ void LiveRun::record_stage(const RecordedTest& so_far, double latest) {
               rows_, {}, 6);
     progress_.pause();
     if (std::string verdict = verdict_on(so_far); verdict != verdict_) {
-        report_news(common_, fmt::format("{:6.2f} %  {}", 100 * now.axial_strain, verdict));
+        report_news(common_, fmt::format("{:6.2f} %  {}", 100 * strain, verdict));
         verdict_ = std::move(verdict);
     }
     report_news(
         common_,
         fmt::format(
             "{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}",
-            100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
-            rows_.back()[5], rows_.back()[6],
+            100 * strain, 1e-3 * q, rows_.back()[3], rows_.back()[4], rows_.back()[5],
+            rows_.back()[6],
             std::isnan(latest) ? "  (no new record)" : fmt::format("  latency {:.3f} s", latest)));
 }
 
@@ -238,7 +240,7 @@ void LiveRun::predict(const RecordedTest& so_far) {
 /// Writes the positions of all rocks in the analysis, and flushes them to disk with all rows so
 /// far.
 void LiveRun::write_frame() {
-    if ((model_->state().points.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done())
+    if ((model_->state().curves.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done())
         return;
     frames_->add(at_start_->world(), frame_of_model(first_frame_, model_->state()));
 }
@@ -382,12 +384,12 @@ void LiveRun::report() {
     frames_->file().close();
     write_estimates(common_.out / "learned.csv", model_->estimates());
     draw_live(common_.out / "live_triaxial.png",
-              {&measured.measured, free_ ? &free_->points : nullptr, &model_->state().points},
-              rows_, *prediction_, s_.learning.final_strain);
+              {&measured.curves, free_ ? &free_->curves : nullptr, &model_->state().curves}, rows_,
+              *prediction_, s_.learning.final_strain);
     Report summary;
     summary.add(describe(model_->estimate()));
     const auto add = [&](const char* name, const ModelRun& run) {
-        const Misfit m = misfit_of(run, measured);
+        const Misfit m = misfit_of(measured, run);
         summary.add(fmt::format("{}_rmse_q_Pa", name), m.q);
         summary.add(fmt::format("{}_rmse_volumetric_strain", name), m.volumetric_strain);
         summary.add(fmt::format("{}_rmse_ring_strain", name), m.ring_strain);
@@ -417,12 +419,12 @@ void LiveRun::report() {
     summary.add("latency_95_percent_s", quantile(latencies_, 0.95));
     summary.add("latency_largest_s", quantile(latencies_, 1));
     if (const TestPrediction& last = prediction_->last(); last.not_used.empty()) {
-        summary.add("library_friction", last.predicted.friction.mean[0]);
-        summary.add("library_friction_low", last.predicted.friction.low[0]);
-        summary.add("library_friction_high", last.predicted.friction.high[0]);
+        summary.add("library_friction", last.predicted.friction.value);
+        summary.add("library_friction_low", last.predicted.friction.low);
+        summary.add("library_friction_high", last.predicted.friction.high);
         summary.add("library_distance", last.predicted.distance);
         if (const RingEstimate& rings = prediction_->rings(); rings.not_made.empty()) {
-            const auto there = ring_strains(measured.measured, rings.strain);
+            const auto there = ring_strains(measured.curves, rings.strain);
             summary.add("estimated_rings_strain", rings.strain);
             summary.add("estimated_rings_rmse", ring_difference(rings.mean, there));
             summary.add("estimated_rings_over_mean_profile",

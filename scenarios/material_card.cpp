@@ -6,8 +6,8 @@
 #include "engine/report.hpp"
 #include "scenarios/assimilation/library_use.hpp"
 #include "scenarios/assimilation/material_estimate.hpp"
-#include "scenarios/recordings/machine_file.hpp"
-#include "scenarios/recordings/machine_quality_control.hpp"
+#include "scenarios/records/machine_file.hpp"
+#include "scenarios/records/machine_quality_control.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -81,12 +81,9 @@ Report card_of(const MaterialEstimate& e, const SpecimenLibrary& library) {
     card.add("volume_used", e.used.volume);
     card.add("porosity_used", e.used.porosity);
     for (const PredictedTest& t : e.tests) {
-        const auto largest = [&](const std::vector<double>& q) {
-            return *std::ranges::max_element(q);
-        };
+        const TestCurves::Column& q = t.predicted.curves.column(quantity::smoothed_q);
         add_band(card, folder_of(t.pressure) + "_largest_smoothed_q", "_Pa",
-                 {largest(t.predicted.smoothed_q.mean), largest(t.predicted.smoothed_q.low),
-                  largest(t.predicted.smoothed_q.high)});
+                 {std::ranges::max(q.values), std::ranges::max(q.low), std::ranges::max(q.high)});
     }
     if (e.further_tests.size() > 1) {
         card.add("most_telling_further_test", e.further_tests[1].what);
@@ -103,15 +100,15 @@ Report card_of(const MaterialEstimate& e, const SpecimenLibrary& library) {
 
 /// The records of the test, without those that no machine can have measured. Throws InputError if
 /// strain or stress are refused; notes about what else is left out go to `left_out`.
-std::vector<TriaxialPoint> checked_records(const CardRun& s, std::vector<Finding>& left_out) {
-    auto points = read_machine_file("--test", s.test, "--columns", s.columns);
-    for (const Finding& f : check_machine(points, s.pressure)) {
+MeasuredCurves checked_records(const CardRun& s, std::vector<Finding>& left_out) {
+    MeasuredCurves curves = read_machine_file("--test", s.test, "--columns", s.columns);
+    for (const Finding& f : check_machine(curves, s.pressure)) {
         const bool needed = f.check == "axial_strain" || f.check == "deviatoric_stress_Pa";
         require(!needed || f.kind == Finding::Kind::note,
                 fmt::format("--test: {}: {}: {}", s.test.string(), f.check, f.text));
         left_out.push_back(f);
     }
-    return points;
+    return curves;
 }
 
 /// Shows the estimate with its bands, the predicted tests, and how far the card can be trusted.
@@ -132,7 +129,7 @@ void show(Report& card, const MaterialEstimate& e, const SpecimenLibrary& librar
 
 void run(const CardRun& s, const Common& common) {
     std::vector<Finding> left_out;
-    TestOfMaterial test{measured_test(checked_records(s, left_out)), s.pressure, s.porosity,
+    TestOfMaterial test{checked_records(s, left_out), s.pressure, s.porosity,
                         s.learning_strain > 0 ? s.learning_strain : 1};
     const SpecimenLibrary library = read_library(s.library);
     require(!library.specimens.empty(), "--library: expected specimens, found none");
@@ -141,12 +138,8 @@ void run(const CardRun& s, const Common& common) {
     write_material_card(common.out / "card.csv", e.card);
     const Report card = card_of(e, library);
     card.write(common.out / "card.json");
-    for (const PredictedTest& t : e.tests) {
-        TestPrediction predicted;
-        predicted.strain = e.strain;
-        predicted.predicted = t.predicted;
-        write_prediction(common.out / (folder_of(t.pressure) + ".csv"), predicted);
-    }
+    for (const PredictedTest& t : e.tests)
+        write_prediction(common.out / (folder_of(t.pressure) + ".csv"), t.predicted.curves);
     write_further_tests(common.out / "further_tests.csv", e);
     draw_material(common.out / "card.png", e, test);
     Report shown = card;

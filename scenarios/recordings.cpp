@@ -6,9 +6,9 @@
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/report.hpp"
-#include "scenarios/recordings/draw_recordings.hpp"
-#include "scenarios/recordings/new_recordings.hpp"
-#include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/records/draw_recordings.hpp"
+#include "scenarios/records/new_recordings.hpp"
+#include "scenarios/records/quality_control_report.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
 
 #include <fmt/format.h>

@@ -17,8 +17,8 @@
 #include "scenarios/assimilation/ring_estimate.hpp"
 #include "scenarios/assimilation/run_models.hpp"
 #include "scenarios/assimilation/smart_results.hpp"
-#include "scenarios/recordings/quality_control_report.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/quality_control_report.hpp"
+#include "scenarios/records/recorded_test.hpp"
 #include "scenarios/specimens/write_option.hpp"
 #include "systems/output/picture.hpp"
 
@@ -164,7 +164,7 @@ private:
         return runs * points_to(s_.triaxial.test.final_axial_strain);
     }
     void show_trust(Report& summary) const;
-    void show(std::size_t test, const World& world, const TriaxialPoint& point);
+    void show(std::size_t test, const World& world, double strain);
     std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
 
     const Smart& s_;
@@ -199,8 +199,8 @@ void Computation::predict_from_library() {
         const RecordedTest& test = tests_[k];
         const ModelOfTest& model = models[k];
         TestPrediction& predicted = done_[k].library;
-        predicted = predict_test(library_, model, measured_test(test),
-                                 {.strain = s_.learning.final_strain}, true);
+        predicted =
+            predict_test(library_, model, test.curves, {.strain = s_.learning.final_strain}, true);
         report_news(common_, fmt::format("{}: {}", folder, described(predicted)));
         if (!predicted.not_used.empty()) continue;
         require(s_.corrections.nudging.stiffness <= 0,
@@ -209,13 +209,13 @@ void Computation::predict_from_library() {
         done_[k].members = favoured(predicted.weights, s_.running_members);
         report_news(common_, fmt::format("{}: the specimens that go on with the test: {}", folder,
                                          described(library_, done_[k].members)));
-        write_prediction(common_.out / folder / "predicted.csv", predicted);
+        write_prediction(common_.out / folder / "predicted.csv", predicted.predicted.curves);
         RingEstimate& rings = done_[k].rings;
-        rings = estimate_rings(library_, model, test, test.measured.back().axial_strain);
+        rings = estimate_rings(library_, model, test, test.curves[quantity::axial_strain].back());
         report_news(common_, fmt::format("{}: {}", folder, described(rings)));
         if (rings.not_made.empty())
             write_rings(common_.out / folder / "rings.csv", rings,
-                        ring_strains(test.measured, rings.strain));
+                        ring_strains(test.curves, rings.strain));
     }
 }
 
@@ -277,7 +277,7 @@ void Computation::learn() {
         done_[k].before = now;
         if (done_[k].by_library()) continue;
         done_[k].learned = learn_in_two_generations(
-            prior, measured_test(tests_[k]), s_.learning, s_.learning.final_strain,
+            prior, tests_[k], s_.learning, s_.learning.final_strain,
             [&](const std::vector<ModelVariant>& variants, double strain) {
                 auto runs = try_models(scene_, settings_at(tests_[k].pressure), specimen_, variants,
                                        strain, common_, progress_);
@@ -302,9 +302,9 @@ std::unique_ptr<FrameWriter> Computation::make_frames(const RecordedTest& test) 
                                          settings, s_.written.extras());
 }
 
-void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point) {
+void Computation::show(std::size_t test, const World& world, double strain) {
     const auto stage =
-        static_cast<std::size_t>(std::llround(point.axial_strain / s_.triaxial.test.stage_strain));
+        static_cast<std::size_t>(std::llround(strain / s_.triaxial.test.stage_strain));
     const auto stages = static_cast<std::size_t>(
         std::llround(s_.triaxial.test.final_axial_strain / s_.triaxial.test.stage_strain));
     const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
@@ -318,7 +318,7 @@ void Computation::show(std::size_t test, const World& world, const TriaxialPoint
     View view = view_of_bodies(world, frame, [&](std::size_t index) {
         return rock_colour(static_cast<std::uint32_t>(3 * index));
     });
-    view.caption = fmt::format("{:.1f} %", 100 * point.axial_strain);
+    view.caption = fmt::format("{:.1f} %", 100 * strain);
     done_[test].views.push_back(std::move(view));
 }
 
@@ -379,9 +379,7 @@ void Computation::run_variants() {
         const Job& job = jobs[j];
         ModelWatch watch = watch_on(progress_, j);
         if (job.running == 0)
-            watch.stage = [&](const World& world, const TriaxialPoint& point) {
-                show(job.test, world, point);
-            };
+            watch.stage = [&](const World& world, double strain) { show(job.test, world, strain); };
         ModelRun& run = job.running ? done_[job.test].running[*job.running] : done_[job.test].free;
         try {
             run = run_job(job, watch);
@@ -447,10 +445,8 @@ std::vector<RecordedTest> judged_tests(const Smart& s, const Common& common,
     for (const double pressure : s.triaxial.confining_pressure) {
         tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.quality_control));
         RecordedTest& test = tests.back();
-        std::erase_if(test.measured, [&](const TriaxialPoint& p) {
-            return p.axial_strain >
-                   s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain;
-        });
+        test.curves = MeasuredCurves(test.curves.up_to(s.triaxial.test.final_axial_strain +
+                                                       0.5 * s.triaxial.test.stage_strain));
         report += fmt::format(
             "{}{}\n{}\n{}", report.empty() ? "" : "\n\n", folder_of(pressure),
             quality_control_report(test),

@@ -13,8 +13,8 @@
 #include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/monitoring/passage.hpp"
 #include "scenarios/monitoring/vibration.hpp"
-#include "scenarios/recordings/recorded_motion.hpp"
 #include "scenarios/specimens/last_quantities.hpp"
+#include "scenarios/specimens/recorded_motion.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/output/frames.hpp"
 

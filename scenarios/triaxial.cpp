@@ -141,12 +141,12 @@ void Test::begin(const std::filesystem::path& checkpoint) {
 }
 
 void Test::run() {
-    first_point_ = recorded_ = state().points.size();
+    first_point_ = recorded_ = state().curves.size();
     try {
         run_.go({{.advance = [this](Simulation&) { return advance(); },
                   .progress = [this](const World&) { return test_.progress(); }}});
     } catch (...) { // keep the part of the curve that was computed
-        if (!state().points.empty()) write_curve(common_.out / "curve.csv", state().points);
+        if (!state().curves.empty()) write_stages(common_.out / "curve.csv", state().curves);
         throw;
     }
     finish();
@@ -160,10 +160,10 @@ bool Test::advance() {
 }
 
 void Test::record() {
-    const auto& points = test_.state().points;
-    if (points.size() <= recorded_) return;
-    recorded_ = points.size();
-    const std::size_t stage = points.size() - 1;
+    const TestCurves& curves = test_.state().curves;
+    if (curves.size() <= recorded_) return;
+    recorded_ = curves.size();
+    const std::size_t stage = curves.size() - 1;
     const auto stages = static_cast<std::size_t>(
         std::llround(settings_.final_axial_strain / settings_.stage_strain));
     const World& world = simulation_.world();
@@ -182,14 +182,14 @@ void Test::record() {
         const bool sensor = std::find(sensors.begin(), sensors.end(), id) != sensors.end();
         return sensor ? Colour{230, 120, 20} : rock_colour(id);
     }));
-    views_.back().caption = fmt::format("{:.1f} %", 100 * points.back().axial_strain);
+    views_.back().caption = fmt::format("{:.1f} %", 100 * curves[quantity::axial_strain].back());
 }
 
 void Test::finish() {
-    write_curve(common_.out / "curve.csv", test_.state().points);
+    write_stages(common_.out / "curve.csv", test_.state().curves);
     frames_.reset();
     draw_curves(common_.out / "curves.png",
-                {{label_of(settings_.confining_pressure), &test_.state().points}});
+                {{label_of(settings_.confining_pressure), &test_.state().curves}});
     if (!views_.empty())
         draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
     if (shared_.settings.fouling.any()) {
@@ -206,7 +206,7 @@ Report Test::summary() const {
     const TriaxialState& s = test_.state();
     Report summary;
     summary.add("confining_pressure_Pa", settings_.confining_pressure);
-    summary.add(describe(properties_of(s.points, settings_.confining_pressure)));
+    summary.add(describe(properties_of(s.curves, settings_.confining_pressure)));
     summary.add("core_porosity", s.core_porosity);
     summary.add("core_porosity_after_preparation", s.prepared_porosity);
     summary.add("core_porosity_as_poured", s.poured_porosity);
@@ -218,7 +218,7 @@ Report Test::summary() const {
                 2 * shared_.scene.specimen.radius / shared_.scene.grading.sieves.front().size);
     summary.add("sensor_rock_drift_m", s.drift);
     summary.add("sensor_rock_rotation_deg", s.rotation * 180 / pi);
-    summary.add("coordination_number", s.points.back().coordination);
+    summary.add("coordination_number", s.curves[quantity::coordination_number].back());
     summary.add("stages", s.stage);
     if (shared_.settings.fouling.any())
         add_fouling_results(summary, std::as_const(simulation_).world());
@@ -310,11 +310,11 @@ void show_card(Report& summary, const FouledTriaxial& t) {
 
 void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& done) {
     Report all;
-    std::vector<TestCurve> curves;
+    std::vector<LabelledCurves> curves;
     const auto& pressures = shared.settings.confining_pressure;
     for (std::size_t k = 0; k < done.size(); ++k) {
         all.add_part(done.size() > 1 ? folder_of(pressures[k]) : "", done[k]->summary());
-        curves.push_back({label_of(pressures[k]), &done[k]->state().points});
+        curves.push_back({label_of(pressures[k]), &done[k]->state().curves});
     }
     if (done.size() > 1) draw_curves(shared.common.out / "curves.png", curves);
     show_card(all, shared.settings);

@@ -229,8 +229,8 @@ std::optional<bool> are_inconsistent(std::vector<double> squared_distances) {
 std::optional<bool> record_innovations(ModelRun& run, const ModelRun& forecast,
                                        const RockScatter& scatter,
                                        const AssimilatedSensors& sensors, std::size_t stage) {
-    const double arrived = run.points[stage].axial_strain,
-                 before = run.points[stage - 1].axial_strain;
+    const double arrived = run.curves[quantity::axial_strain][stage],
+                 before = run.curves[quantity::axial_strain][stage - 1];
     std::vector<double> shifts, turns; // normalised innovations squared
     for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
         const std::size_t host = sensors.hosts[s];
@@ -276,12 +276,12 @@ RockScatter scatter_of(const Ensemble& members) {
     const auto freedom = static_cast<double>(members.parameters.size() - 3);
     const auto scatter_in = [&](Motions motion) {
         MotionScatter scatter;
-        for (std::size_t stage = 0; stage < like.points.size(); ++stage)
+        for (std::size_t stage = 0; stage < like.curves.size(); ++stage)
             scatter.deviation.push_back(
                 deviations_of(residuals_at(members, residual_projection, motion, stage), freedom));
         CorrelationSums sums;
         for (std::size_t tenth = 1; tenth <= 10; ++tenth) {
-            const std::size_t stage = tenth * (like.points.size() - 1) / 10;
+            const std::size_t stage = tenth * (like.curves.size() - 1) / 10;
             add_pairs(sums, like, residuals_at(members, residual_projection, motion, stage),
                       scatter.deviation[stage]);
         }
@@ -298,7 +298,7 @@ void GrowingScatter::add(const Ensemble& members) {
     const ModelRun& like = members.runs.front();
     const auto freedom = static_cast<double>(members.parameters.size() - 3);
     const auto add_to = [&](MotionScatter& scatter, CorrelationSums& sums, Motions motion) {
-        for (std::size_t stage = scatter.deviation.size(); stage < like.points.size(); ++stage) {
+        for (std::size_t stage = scatter.deviation.size(); stage < like.curves.size(); ++stage) {
             Matrix left = residuals_at(members, residual_projection, motion, stage);
             scatter.deviation.push_back(deviations_of(left, freedom));
             if (stage == 0 || stage % every_ != 0) continue;
@@ -314,7 +314,7 @@ void compute_analysis_stage(ModelRun& run, const ModelRun& forecast, const RockS
                             const AssimilatedSensors& sensors, std::size_t stage) {
     require(sensors.hosts.size() == sensors.trajectories.size(),
             "analysis: expected a trajectory for each host");
-    const double arrived = run.points[stage].axial_strain;
+    const double arrived = run.curves[quantity::axial_strain][stage];
     const auto correct = [&](Motions motion, const MotionScatter& of, double noise) {
         std::vector<Innovation> innovations; // each held until the next sample of its sensor
         for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
@@ -335,11 +335,11 @@ ModelRun compute_analysis(const ModelRun& forecast, const RockScatter& scatter,
     ModelRun run = forecast;
     unsigned inconsistent = 0; // successive samples
     for (std::size_t stage = 1;
-         stage < std::min(forecast.points.size(), scatter.displacement.deviation.size()); ++stage) {
+         stage < std::min(forecast.curves.size(), scatter.displacement.deviation.size()); ++stage) {
         const auto far = record_innovations(run, forecast, scatter, sensors, stage);
         if (far) inconsistent = *far ? inconsistent + 1 : 0;
         if (inconsistent == times_running) {
-            run.inconsistent_from = run.points[stage].axial_strain;
+            run.inconsistent_from = run.curves[quantity::axial_strain][stage];
             break;
         }
         compute_analysis_stage(run, forecast, scatter, sensors, stage);

@@ -106,7 +106,7 @@ std::vector<RockPose> load_poses(const Archive& archive, const std::string& path
 }
 
 void save_run(Archive& archive, const ModelRun& run) {
-    save_points(archive, "run/points", run.points);
+    save_curves(archive, "run/points", run.curves);
     put_stages(archive, "run/displacement", run.displacement);
     put_stages(archive, "run/rotation", run.rotation);
     archive.put("run/rocks", std::span<const EntityId>(run.rocks));
@@ -118,9 +118,9 @@ void save_run(Archive& archive, const ModelRun& run) {
 
 ModelRun load_run(const Archive& archive) {
     ModelRun run;
-    run.points = load_points(archive, "run/points");
-    run.displacement = get_stages(archive, "run/displacement", run.points.size());
-    run.rotation = get_stages(archive, "run/rotation", run.points.size());
+    run.curves = load_curves(archive, "run/points");
+    run.displacement = get_stages(archive, "run/displacement", run.curves.size());
+    run.rotation = get_stages(archive, "run/rotation", run.curves.size());
     run.rocks = archive.get<EntityId>("run/rocks");
     run.shell = archive.get<unsigned>("run/shell");
     run.start = load_poses(archive, "run/start");

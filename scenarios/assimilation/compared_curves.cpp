@@ -8,37 +8,35 @@ namespace bris {
 
 namespace {
 
-/// About a hundred of the points, and the last one.
-std::vector<TriaxialPoint> thinned(const std::vector<TriaxialPoint>& points) {
-    std::vector<TriaxialPoint> some;
-    const std::size_t every = std::max<std::size_t>(1, points.size() / 100);
-    for (std::size_t k = 0; k < points.size(); k += every) some.push_back(points[k]);
-    if ((points.size() - 1) % every != 0) some.push_back(points.back());
-    return some;
+/// About a hundred of the rows, and the last one.
+TestCurves thinned(const TestCurves& curves) {
+    const std::size_t every = std::max<std::size_t>(1, curves.size() / 100);
+    return curves.rows_where(
+        [&](std::size_t k) { return k % every == 0 || k + 1 == curves.size(); });
 }
 
 } // namespace
 
-std::vector<Curve> compared_curves(const ComparedPoints& points, const MakeCurve& make) {
+std::vector<Curve> compared_curves(const ComparedTests& tests, const MakeCurve& make) {
     std::vector<Curve> curves;
-    const auto add = [&](const char* label, const std::vector<TriaxialPoint>* of,
-                         Curve::Style style) {
-        // a curve without points is not drawn, but the next one keeps its colour
+    const auto add = [&](const char* label, const TestCurves* of, Curve::Style style) {
+        // a curve without rows is not drawn, but the next one keeps its colour
         if (of == nullptr || of->empty())
             curves.push_back({.label = label, .style = style});
         else
             curves.push_back(
                 make(label, style == Curve::Style::points ? thinned(*of) : *of, style));
     };
-    add("measured", points.measured, Curve::Style::points);
-    add("DEM only", points.dem_only, Curve::Style::dashed);
-    add("fused", points.fused, Curve::Style::line);
+    add("measured", tests.measured, Curve::Style::points);
+    add("DEM only", tests.dem_only, Curve::Style::dashed);
+    add("fused", tests.fused, Curve::Style::line);
     return curves;
 }
 
-MakeCurve curves_of(double scale, double TriaxialPoint::*value) {
-    return [=](const std::string& label, const std::vector<TriaxialPoint>& points,
-               Curve::Style style) { return curve_of(label, points, scale, value, style); };
+MakeCurve curves_of(const Quantity& quantity) {
+    return [&quantity](const std::string& label, const TestCurves& curves, Curve::Style style) {
+        return curve_of(label, curves, quantity, style);
+    };
 }
 
 void mark_end_of_learning(Plot& panel, double strain) {

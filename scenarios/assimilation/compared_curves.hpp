@@ -6,25 +6,23 @@
 
 namespace bris {
 
-/// Points of a test as it was measured, of the model alone, and of the model that assimilates the
+/// Curves of a test as it was measured, of the model alone, and of the model that assimilates the
 /// measurements. Null or empty: left out.
-struct ComparedPoints {
-    const std::vector<TriaxialPoint>* measured = nullptr;
-    const std::vector<TriaxialPoint>* dem_only = nullptr;
-    const std::vector<TriaxialPoint>* fused = nullptr;
+struct ComparedTests {
+    const TestCurves* measured = nullptr;
+    const TestCurves* dem_only = nullptr;
+    const TestCurves* fused = nullptr;
 };
 
-/// A curve from its label, points and style, as `curve_of` and `profile_of` make them.
-using MakeCurve =
-    std::function<Curve(const std::string&, const std::vector<TriaxialPoint>&, Curve::Style)>;
+/// A curve from its label, test and style, as `curve_of` and `profile_of` make them.
+using MakeCurve = std::function<Curve(const std::string&, const TestCurves&, Curve::Style)>;
 
 /// Curves that have the same words, styles and colours in every picture, whichever of them are
 /// there: "measured" (dots, about a hundred), "DEM only" (dashed) and "fused" (solid).
-std::vector<Curve> compared_curves(const ComparedPoints& points, const MakeCurve& make);
+std::vector<Curve> compared_curves(const ComparedTests& tests, const MakeCurve& make);
 
-/// One quantity of the points against axial strain (%), multiplied by `scale`, for
-/// `compared_curves`.
-MakeCurve curves_of(double scale, double TriaxialPoint::*value);
+/// One quantity against axial strain, for `compared_curves`.
+MakeCurve curves_of(const Quantity& quantity);
 
 /// Adds a vertical line at the axial strain up to which measurements are assimilated, if the curves
 /// of the panel go beyond it.

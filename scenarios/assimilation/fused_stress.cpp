@@ -38,7 +38,7 @@ std::vector<StageForecast> forecasts(const Ensemble& members, const Gaussian& es
     std::vector<StageForecast> all(stage + 1);
     for (std::size_t k = 1; k <= stage; ++k) {
         const Vector q = Vector::NullaryExpr(n, [&](Eigen::Index j) {
-            return members.runs[static_cast<std::size_t>(j)].points[k].deviatoric_stress;
+            return members.runs[static_cast<std::size_t>(j)].curves[quantity::deviatoric_stress][k];
         });
         StageForecast& f = all[k];
         f.usable = q.minCoeff() > no_stress;
@@ -68,19 +68,21 @@ double correlation_of(const std::vector<StageForecast>& all) {
 }
 
 /// Measured q (Pa) by stage; NaN: not measured.
-std::vector<double> measured_by_stage(const Ensemble& members, const MeasuredTest& measured,
+std::vector<double> measured_by_stage(const Ensemble& members, const MeasuredCurves& measured,
                                       std::size_t stage) {
     std::vector<double> all(stage + 1, std::nan(""));
-    for (std::size_t k = 0; k < measured.strain.size(); ++k) {
-        const auto at = stage_of_sample(members.runs.front(), measured.strain[k]);
-        if (at && *at <= stage && std::isfinite(measured.q[k])) all[*at] = measured.q[k];
+    const auto &strain = measured[quantity::axial_strain],
+               &q = measured[quantity::deviatoric_stress];
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+        const auto at = stage_of_sample(members.runs.front(), strain[k]);
+        if (at && *at <= stage && std::isfinite(q[k])) all[*at] = q[k];
     }
     return all;
 }
 
 double mean_stress(const Ensemble& members, std::size_t stage) {
     double sum = 0;
-    for (const ModelRun& run : members.runs) sum += run.points[stage].deviatoric_stress;
+    for (const ModelRun& run : members.runs) sum += run.curves[quantity::deviatoric_stress][stage];
     return sum / static_cast<double>(members.runs.size());
 }
 
@@ -169,11 +171,11 @@ void judge_without_stress(FusedStress& result, double measured, double model) {
 } // namespace
 
 FusedStress fused_stress(const Ensemble& members, const Gaussian& estimate,
-                         const MeasuredTest& measured, const Learning& settings,
+                         const MeasuredCurves& measured, const Learning& settings,
                          std::size_t stage) {
     const auto all = forecasts(members, estimate, stage);
     const auto q = measured_by_stage(members, measured, stage);
-    const auto& points = members.runs.front().points;
+    const auto& strains = members.runs.front().curves[quantity::axial_strain];
     Deviation deviation(correlation_of(all), settings.specimen_scatter);
     Surprises surprises;
     FusedStress result;
@@ -182,7 +184,7 @@ FusedStress fused_stress(const Ensemble& members, const Gaussian& estimate,
     const double noise = settings.force_noise * settings.force_noise;
     for (std::size_t k = 1; k <= stage; ++k) {
         if (!all[k].usable) continue;
-        deviation.advance(all[k], points[k].axial_strain);
+        deviation.advance(all[k], strains[k]);
         const double total = deviation.variance() + noise,
                      half = band * std::sqrt(total * surprises.factor());
         if (k == stage) {

@@ -32,6 +32,7 @@ struct FusedStress {
 /// do, or if it was outside its band in three successive stages. They are not compared where q is
 /// below 1 kPa or was not measured.
 FusedStress fused_stress(const Ensemble& members, const Gaussian& estimate,
-                         const MeasuredTest& measured, const Learning& settings, std::size_t stage);
+                         const MeasuredCurves& measured, const Learning& settings,
+                         std::size_t stage);
 
 } // namespace bris

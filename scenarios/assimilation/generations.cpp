@@ -13,14 +13,14 @@ Gaussian spread_around(const Gaussian& prior, const std::vector<EstimateAt>& est
     return around;
 }
 
-Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured,
+Learned learn_in_two_generations(const Gaussian& prior, const Measurements& measured,
                                  const Learning& settings, double strain, const RunModels& run) {
     return learn_on(prior,
                     run_members(prior, settings.members, "first", settings.first_strain, run),
                     measured, settings, strain, run);
 }
 
-Learned learn_on(const Gaussian& prior, Ensemble first, const MeasuredTest& measured,
+Learned learn_on(const Gaussian& prior, Ensemble first, const Measurements& measured,
                  const Learning& settings, double strain, const RunModels& run) {
     Learned learned;
     learned.first = std::move(first);
@@ -63,12 +63,12 @@ ModelRun ensemble_forecast(const Learned& learned, const Gaussian& prior) {
         sum.steps += run.steps;
         sum.wall_time += run.wall_time;
     }
-    for (std::size_t stage = 0; stage < like.points.size(); ++stage) {
-        const double strain = like.points[stage].axial_strain;
+    for (std::size_t stage = 0; stage < like.curves.size(); ++stage) {
+        const double strain = like.curves[quantity::axial_strain][stage];
         Vector at = prior.mean;
         for (const EstimateAt& k : learned.estimates)
             if (k.strain <= strain + 1e-9) at = k.estimate.mean;
-        const bool early = stage < learned.first.runs.front().points.size() - 1;
+        const bool early = stage < learned.first.runs.front().curves.size() - 1;
         forecast_stage(sum, early ? learned.first : learned.second, at);
     }
     return sum;

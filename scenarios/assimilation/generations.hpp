@@ -18,10 +18,10 @@ struct Learned {
 };
 /// Estimates the parameters from a given first generation, which is the same whatever is measured;
 /// the second generation runs to `strain`.
-Learned learn_on(const Gaussian& prior, Ensemble first, const MeasuredTest& measured,
+Learned learn_on(const Gaussian& prior, Ensemble first, const Measurements& measured,
                  const Learning& settings, double strain, const RunModels& run);
 /// Runs both generations and estimates the parameters.
-Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured,
+Learned learn_in_two_generations(const Gaussian& prior, const Measurements& measured,
                                  const Learning& settings, double strain, const RunModels& run);
 
 /// The parameters that a single model run is given in the course of a test: the estimates after

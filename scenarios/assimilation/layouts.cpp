@@ -61,7 +61,7 @@ double squared_turn(const ModelRun& run, const ModelRun& truth, std::size_t stag
 template <class Squared, class Counts>
 double error_of(const ModelRun& run, const ModelRun& truth, Squared&& squared, Counts&& counts) {
     double sum = 0;
-    for (std::size_t k = 1; k < std::min(run.points.size(), truth.points.size()); ++k)
+    for (std::size_t k = 1; k < std::min(run.curves.size(), truth.curves.size()); ++k)
         for (std::size_t r = 0; r < truth.rocks.size(); ++r)
             if (counts(r)) sum += squared(run, truth, k, r);
     return sum;
@@ -75,7 +75,7 @@ LayoutResult try_one(const ModelRun& truth, const ModelRun& forecast, const Rock
     const auto began = this_instant();
     const ModelRun analysis = compute_analysis(
         forecast, scatter, {hosts, trajectories, trial.position_noise, trial.attitude_noise});
-    const double seconds = seconds_since(began) / static_cast<double>(forecast.points.size() - 1);
+    const double seconds = seconds_since(began) / static_cast<double>(forecast.curves.size() - 1);
     const std::vector<Role> roles = roles_of(truth.start, hosts, reach);
     const auto left = [&](const auto& squared, const auto& counts) {
         const double before = error_of(forecast, truth, squared, counts);

@@ -23,8 +23,6 @@ constexpr double outlier_limit = 6;
 /// Channels of the estimate: quantities that are measured in a test and forecast by the members.
 enum Channel : std::size_t { strength, widening, dilation, channels };
 
-using Measured = std::vector<double> MeasuredTest::*;
-
 /// A sample of a sensor, and the stage of the members at its strain.
 struct Observation {
     std::size_t sensor, sample, stage;
@@ -62,26 +60,24 @@ struct Means {
 };
 
 /// One quantity at a stage, as forecast by each member.
-Vector forecast_at(const MemberSubset& members, std::size_t stage, double TriaxialPoint::*what) {
+Vector forecast_at(const MemberSubset& members, std::size_t stage, const Quantity& what) {
     return Vector::NullaryExpr(static_cast<Eigen::Index>(members.runs.size()), [&](Eigen::Index j) {
-        return members.runs[static_cast<std::size_t>(j)]->points[stage].*what;
+        return members.runs[static_cast<std::size_t>(j)]->curves[what][stage];
     });
 }
 
 /// Nothing if the quantity was not measured in the window.
-std::optional<Means> means_of(const MemberSubset& members, const MeasuredTest& measured,
-                              Measured what, double TriaxialPoint::*forecast, double from,
-                              double to) {
+std::optional<Means> means_of(const MeasuredCurves& measured, const MemberSubset& members,
+                              const Quantity& what, double from, double to) {
     Means m{0, Vector::Zero(static_cast<Eigen::Index>(members.runs.size()))};
     double count = 0;
-    for (std::size_t k = 0; k < measured.strain.size(); ++k) {
-        if (measured.strain[k] <= from + 1e-9 || measured.strain[k] > to + 1e-9 ||
-            !std::isfinite((measured.*what)[k]))
-            continue;
-        const auto stage = stage_of_sample(*members.runs.front(), measured.strain[k]);
+    const auto &strain = measured[quantity::axial_strain], &found = measured[what];
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+        if (strain[k] <= from + 1e-9 || strain[k] > to + 1e-9 || !std::isfinite(found[k])) continue;
+        const auto stage = stage_of_sample(*members.runs.front(), strain[k]);
         if (!stage) continue;
-        m.measured += (measured.*what)[k];
-        m.forecast += forecast_at(members, *stage, forecast);
+        m.measured += found[k];
+        m.forecast += forecast_at(members, *stage, what);
         ++count;
     }
     if (count == 0) return {};
@@ -99,19 +95,24 @@ bool is_stress_outlier(double found, const Vector& forecast, double specimen_sca
     return std::pow(found - mean, 2) > outlier_limit * outlier_limit * variance;
 }
 
-/// The test without the outliers of q.
-MeasuredTest cleaned(const MemberSubset& members, const MeasuredTest& measured,
-                     const Learning& settings) {
-    MeasuredTest m = measured;
-    for (std::size_t k = 0; k < m.strain.size(); ++k) {
-        const auto stage = stage_of_sample(*members.runs.front(), m.strain[k]);
-        if (!stage || !(m.strain[k] > 1e-9) || !(m.q[k] > no_stress)) continue;
-        const Vector forecast = forecast_at(members, *stage, &TriaxialPoint::deviatoric_stress);
+/// A test without the outliers of q.
+struct CleanTest : Measurements {
+    std::vector<double> rejected = {}; ///< axial strains of the outliers
+};
+CleanTest cleaned(const MemberSubset& members, const Measurements& measured,
+                  const Learning& settings) {
+    CleanTest m{measured};
+    const auto& strain = m.curves[quantity::axial_strain];
+    auto& q = m.curves[quantity::deviatoric_stress];
+    for (std::size_t k = 0; k < m.curves.size(); ++k) {
+        const auto stage = stage_of_sample(*members.runs.front(), strain[k]);
+        if (!stage || !(strain[k] > 1e-9) || !(q[k] > no_stress)) continue;
+        const Vector forecast = forecast_at(members, *stage, quantity::deviatoric_stress);
         if (!(forecast.minCoeff() > no_stress) ||
-            !is_stress_outlier(std::log(m.q[k]), forecast.array().log(), settings.specimen_scatter))
+            !is_stress_outlier(std::log(q[k]), forecast.array().log(), settings.specimen_scatter))
             continue;
-        m.q[k] = std::nan("");
-        m.rejected.push_back(m.strain[k]);
+        q[k] = std::nan("");
+        m.rejected.push_back(strain[k]);
     }
     return m;
 }
@@ -133,7 +134,7 @@ bool is_displacement_outlier(const MemberSubset& members, const Observation& h, 
 
 /// The last sample of each sensor that was taken in a window, allowing for their delay. None if
 /// fewer than half of the sensors have one.
-std::vector<Observation> observations_in(const MemberSubset& members, const MeasuredTest& measured,
+std::vector<Observation> observations_in(const MemberSubset& members, const Measurements& measured,
                                          double from, double to) {
     const ModelRun& like = *members.runs.front();
     std::vector<Observation> observations;
@@ -163,10 +164,9 @@ std::vector<Observation> observations_in(const MemberSubset& members, const Meas
 
 /// Assimilates ln q.
 bool observe_strength(ParameterEstimate& estimate, const MemberSubset& members,
-                      const MeasuredTest& measured, const Learning& settings, double from,
+                      const Measurements& measured, const Learning& settings, double from,
                       double to) {
-    const auto q =
-        means_of(members, measured, &MeasuredTest::q, &TriaxialPoint::deviatoric_stress, from, to);
+    const auto q = means_of(measured.curves, members, quantity::deviatoric_stress, from, to);
     if (!q || !(q->measured > no_stress) || !(q->forecast.minCoeff() > no_stress)) return false;
     estimate.observe(
         strength, q->forecast.array().log(),
@@ -177,7 +177,7 @@ bool observe_strength(ParameterEstimate& estimate, const MemberSubset& members,
 /// Assimilates the mean outward displacement of the sensor rocks. Specimens differ by a fraction of
 /// it.
 bool observe_sensor_displacements(ParameterEstimate& estimate, const MemberSubset& members,
-                                  const MeasuredTest& measured, const Learning& settings,
+                                  const Measurements& measured, const Learning& settings,
                                   double from, double to) {
     const std::vector<Observation> observations = observations_in(members, measured, from, to);
     if (observations.empty()) return false;
@@ -200,10 +200,9 @@ bool observe_sensor_displacements(ParameterEstimate& estimate, const MemberSubse
 
 /// Assimilates dilation, in units that grow with strain as the differences between specimens do.
 bool observe_volume(ParameterEstimate& estimate, const MemberSubset& members,
-                    const MeasuredTest& measured, const Learning& settings, double from,
+                    const Measurements& measured, const Learning& settings, double from,
                     double to) {
-    const auto volume = means_of(members, measured, &MeasuredTest::volumetric_strain,
-                                 &TriaxialPoint::volumetric_strain, from, to);
+    const auto volume = means_of(measured.curves, members, quantity::volumetric_strain, from, to);
     if (!volume) return false;
     const double size = std::abs(volume->forecast.mean()),
                  unit = -(size + compaction); // compression is positive
@@ -220,7 +219,7 @@ enum class ReportAt { every_window, final_strain_only };
 
 /// `excluded_members`: number of members that are left out of the ensemble.
 std::vector<EstimateAt> learn_tempered(const Gaussian& prior, const MemberSubset& members,
-                                       const MeasuredTest& measured, const Learning& settings,
+                                       const CleanTest& measured, const Learning& settings,
                                        double final_strain, double tempering, ReportAt report_at,
                                        Eigen::Index excluded_members = 0) {
     ParameterEstimate estimate(prior, logarithms_of(members.parameters), channels, tempering,
@@ -251,14 +250,13 @@ std::vector<EstimateAt> learn_tempered(const Gaussian& prior, const MemberSubset
 }
 
 /// Synthetic measurements of a member, at the strains of a real test.
-MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
-    MeasuredTest m = like;
-    for (std::size_t k = 0; k < m.strain.size(); ++k) {
-        const auto stage = stage_of_sample(run, m.strain[k]);
-        if (std::isfinite(m.q[k]))
-            m.q[k] = stage ? run.points[*stage].deviatoric_stress : std::nan("");
-        if (std::isfinite(m.volumetric_strain[k]))
-            m.volumetric_strain[k] = stage ? run.points[*stage].volumetric_strain : std::nan("");
+CleanTest as_measured(const ModelRun& run, const CleanTest& like) {
+    CleanTest m = like;
+    for (std::size_t k = 0; k < m.curves.size(); ++k) {
+        const auto stage = stage_of_sample(run, m.curves[quantity::axial_strain][k]);
+        for (const Quantity* q : {&quantity::deviatoric_stress, &quantity::volumetric_strain})
+            if (std::isfinite(m.curves[*q][k]))
+                m.curves[*q][k] = stage ? run.curves[*q][*stage] : std::nan("");
     }
     for (std::size_t s = 0; s < m.trajectories.size() && s < run.sensors; ++s)
         for (std::size_t k = 0; k < m.trajectories[s].strain.size(); ++k) {
@@ -274,8 +272,8 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
 /// estimates claim, the divergence of single runs persists longer than its correlation at
 /// successive times accounts for, and the measurements are given less weight. Returns 1 if the
 /// ensemble has no more than the fewest members.
-double tempering_for(const Gaussian& prior, const MemberSubset& members,
-                     const MeasuredTest& measured, const Learning& settings, double final_strain) {
+double tempering_for(const Gaussian& prior, const MemberSubset& members, const CleanTest& measured,
+                     const Learning& settings, double final_strain) {
     if (members.runs.size() <= ParameterEstimate::fewest_members) return 1;
     Learning same_specimen = settings;
     same_specimen.specimen_scatter = 0;
@@ -320,16 +318,16 @@ std::vector<double> window_ends(const Learning& settings, double final_strain) {
 }
 
 std::vector<EstimateAt> learn(const Gaussian& prior, const Ensemble& members,
-                              const MeasuredTest& measured, const Learning& settings,
+                              const Measurements& measured, const Learning& settings,
                               double final_strain) {
     const MemberSubset subset = all_members(members);
-    const MeasuredTest test = cleaned(subset, measured, settings);
+    const CleanTest test = cleaned(subset, measured, settings);
     return learn_tempered(prior, subset, test, settings, final_strain,
                           tempering_for(prior, subset, test, settings, final_strain),
                           ReportAt::every_window);
 }
 
-std::size_t outlying_displacements(const Ensemble& members, const MeasuredTest& measured) {
+std::size_t outlying_displacements(const Ensemble& members, const Measurements& measured) {
     const MemberSubset subset = all_members(members);
     std::size_t outliers = 0;
     for (std::size_t s = 0;

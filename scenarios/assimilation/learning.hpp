@@ -2,7 +2,7 @@
 
 #include "engine/options.hpp"
 #include "scenarios/assimilation/model_ensemble.hpp"
-#include "scenarios/recordings/measured_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
 
 #include <string>
 #include <vector>
@@ -50,12 +50,12 @@ struct EstimateAt {
 /// from the volumetric strain, each as far as it is measured and requested. Values of q that are
 /// outliers to the whole ensemble are left out.
 std::vector<EstimateAt> learn(const Gaussian& prior, const Ensemble& members,
-                              const MeasuredTest& measured, const Learning& settings,
+                              const Measurements& measured, const Learning& settings,
                               double final_strain);
 
 /// Number of displacements of sensor rocks that are outliers to the whole ensemble; `learn` leaves
 /// them out.
-std::size_t outlying_displacements(const Ensemble& members, const MeasuredTest& measured);
+std::size_t outlying_displacements(const Ensemble& members, const Measurements& measured);
 
 /// Axial strains at which windows end, up to `final_strain`.
 std::vector<double> window_ends(const Learning& settings, double final_strain);

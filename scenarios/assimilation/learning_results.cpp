@@ -40,10 +40,10 @@ void write_members(const std::filesystem::path& csv, const Ensemble& members) {
                                        comments.size() + 1, b.friction, b.stiffness));
     }
     std::vector<std::vector<double>> rows;
-    for (std::size_t k = 0; k < members.runs.front().points.size(); ++k) {
-        rows.push_back({members.runs.front().points[k].axial_strain});
+    for (std::size_t k = 0; k < members.runs.front().curves.size(); ++k) {
+        rows.push_back({members.runs.front().curves[quantity::axial_strain][k]});
         for (const ModelRun& run : members.runs)
-            rows.back().push_back(run.points[k].deviatoric_stress);
+            rows.back().push_back(run.curves[quantity::deviatoric_stress][k]);
     }
     write_csv(csv, names, rows, comments, 7);
 }

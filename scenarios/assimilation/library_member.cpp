@@ -75,13 +75,15 @@ ModelRun run_member(const SpecimenLibrary& library, std::size_t index,
 double difference_from(const SpecimenLibrary& library, std::size_t index, std::size_t pressure,
                        const ModelRun& run) {
     const std::vector<float>& q = library.specimens.at(index).tests.at(pressure).q;
+    const MonotonicStage stages(run.curves);
     double largest = 0, difference = 0;
     for (std::size_t k = 0; k < q.size(); ++k) {
         largest = std::max(largest, std::abs(double{q[k]}));
-        const auto stage = stage_at(run.points, library.axis.strain(k), 1e-6);
+        const auto stage = stages.nearest(library.axis.strain(k), 1e-6);
         if (stage)
             difference =
-                std::max(difference, std::abs(run.points[*stage].deviatoric_stress - double{q[k]}));
+                std::max(difference,
+                         std::abs(run.curves[quantity::deviatoric_stress][*stage] - double{q[k]}));
     }
     return difference / largest;
 }

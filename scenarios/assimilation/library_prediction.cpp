@@ -278,32 +278,44 @@ LibraryPrediction
 LibraryPredictor::described(const HybridRegression::Prediction& curves,
                             const HybridRegression::Prediction& parameters) const {
     const double t = student_t_quantile(0.95, regression_.freedom());
-    const auto part = [&](const HybridRegression::Prediction& p, Eigen::Index first,
-                          Eigen::Index count, bool logarithmic) {
-        PredictedCurve c;
-        for (Eigen::Index k = first; k < first + count; ++k)
-            for (const auto& [to, x] : {std::pair{&c.mean, p.mean[k]},
-                                        {&c.low, p.mean[k] - t * p.deviation[k]},
-                                        {&c.high, p.mean[k] + t * p.deviation[k]}})
-                to->push_back(logarithmic ? std::exp(x) : x);
-        return c;
+    const auto number = [&](const HybridRegression::Prediction& p, Eigen::Index k,
+                            bool logarithmic) {
+        const auto natural = [&](double x) { return logarithmic ? std::exp(x) : x; };
+        return NumberWithBand{natural(p.mean[k]), natural(p.mean[k] - t * p.deviation[k]),
+                              natural(p.mean[k] + t * p.deviation[k])};
     };
-    const auto block = [&](LibraryTargets::Block b, LibraryTargets::Block next, bool logarithmic) {
-        const Eigen::Index first = targets_.column(0, b);
-        return part(curves, first, targets_.column(0, next) - first, logarithmic);
+    const auto add = [&](TestCurves& to, const Quantity& quantity, LibraryTargets::Block block,
+                         bool logarithmic = false) {
+        const Eigen::Index width = targets_.width(block);
+        for (Eigen::Index w = 0; w < width; ++w) {
+            TestCurves::Column& c = to.column(quantity, static_cast<std::size_t>(w));
+            c.values.clear();
+            for (Eigen::Index k = 0; k < targets_.length(block); ++k) {
+                const NumberWithBand n =
+                    number(curves, targets_.column(0, block) + k * width + w, logarithmic);
+                c.values.push_back(n.value);
+                c.low.push_back(n.low);
+                c.high.push_back(n.high);
+            }
+        }
     };
-    using enum LibraryTargets::Block;
+    using Block = LibraryTargets::Block;
+    const LibraryAxis& axis = library_.axis;
     LibraryPrediction d;
-    d.q = block(q, smoothed_q, true);
-    d.smoothed_q = block(smoothed_q, volume, true);
-    d.volume = block(volume, rings, false);
-    d.rings = block(rings, sensors, false);
-    d.sensors = block(sensors, field, false);
-    const Eigen::Index of_field = targets_.column(0, field);
-    d.field = part(curves, of_field, targets_.count() - of_field, false);
-    d.friction = part(parameters, ParameterColumn::ln_friction, 1, true);
-    d.stiffness = part(parameters, ParameterColumn::ln_stiffness, 1, true);
-    d.porosity = part(parameters, ParameterColumn::porosity, 1, false);
+    for (std::size_t k = 0; k < axis.count; ++k)
+        d.curves.add_row()[quantity::axial_strain] = axis.strain(k);
+    add(d.curves, quantity::deviatoric_stress, Block::q, true);
+    add(d.curves, quantity::smoothed_q, Block::smoothed_q, true);
+    add(d.curves, quantity::volumetric_strain, Block::volume);
+    add(d.curves, quantity::radial_strain, Block::rings);
+    for (Eigen::Index k = 0; k < targets_.length(Block::sensors); ++k)
+        d.motion.add_row()[quantity::axial_strain] =
+            axis.coarse_strain(static_cast<std::size_t>(k));
+    add(d.motion, quantity::sensor_motion, Block::sensors);
+    add(d.motion, quantity::displacement_field, Block::field);
+    d.friction = number(parameters, ParameterColumn::ln_friction, true);
+    d.stiffness = number(parameters, ParameterColumn::ln_stiffness, true);
+    d.porosity = number(parameters, ParameterColumn::porosity, false);
     d.distance = std::max(curves.distance, parameters.distance);
     return d;
 }

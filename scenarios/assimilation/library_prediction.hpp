@@ -3,6 +3,7 @@
 #include "engine/estimation/hybrid_regression.hpp"
 #include "engine/options.hpp"
 #include "scenarios/assimilation/specimen_library.hpp"
+#include "scenarios/specimens/material_card_file.hpp"
 
 #include <cstddef>
 #include <string>
@@ -38,6 +39,8 @@ public:
     Eigen::Index column(std::size_t pressure, Block block) const;
     /// Columns of a block for each strain.
     Eigen::Index width(Block block) const { return widths_[block]; }
+    /// Number of strains of a block.
+    Eigen::Index length(Block block) const { return lengths_[block]; }
     Eigen::Index count() const { return count_; }
     const std::vector<std::size_t>& pressures() const { return pressures_; }
 
@@ -73,17 +76,12 @@ struct ParameterColumn {
 Vector parameter_features_of(const SpecimenLibrary& library, const LibrarySpecimen& specimen,
                              std::size_t pressure, const LibraryObservations& observed);
 
-/// A posterior predictive: mean, and lower and upper end of the 90 % band.
-struct PredictedCurve {
-    std::vector<double> mean, low, high;
-};
-
-/// What a library predicts for one specimen at one pressure, by strain of the library's axis (or by
-/// coarse strain), and its parameters.
+/// What a library predicts for one specimen at one pressure, with 90 % bands.
 struct LibraryPrediction {
-    PredictedCurve q, smoothed_q, volume, rings;  ///< Pa, Pa, -, -
-    PredictedCurve sensors, field;                ///< as LibraryTest; empty unless requested
-    PredictedCurve friction, stiffness, porosity; ///< one number each
+    /// By strain of the library's axis: q, smoothed q, volumetric strain, radial strains of rings.
+    TestCurves curves;
+    TestCurves motion; ///< by coarse strain: sensor_motion, displacement_field; if requested
+    NumberWithBand friction, stiffness, porosity;
     /// Distance of the measurements from those of the library, relative to one that 95 % of its
     /// specimens do not exceed: beyond 1 the bands are widened in proportion.
     double distance = 0;

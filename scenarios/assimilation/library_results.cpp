@@ -1,10 +1,9 @@
 #include "scenarios/assimilation/library_results.hpp"
 
 #include "engine/estimation/linear_fit.hpp"
-#include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/report.hpp"
-#include "scenarios/recordings/triaxial_point.hpp"
+#include "scenarios/records/draw_curves.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -81,24 +80,17 @@ std::vector<double> strains_of(const LibraryAxis& axis) {
     return percent;
 }
 
-std::vector<double> scaled(const auto& numbers, double factor) {
-    std::vector<double> out;
-    for (const auto x : numbers) out.push_back(factor * static_cast<double>(x));
-    return out;
-}
-
 /// Measured curve, prior, and prediction with its band.
-Plot panel_of(const std::string& title, const std::string& label, const std::vector<double>& x,
-              const std::vector<double>& measured, const PredictedCurve& prior,
-              const PredictedCurve& predicted, double factor) {
-    return {.title = title,
-            .x_label = "axial strain (%)",
-            .y_label = label,
-            .curves = {{"measured", x, measured, Curve::Style::points},
-                       {"prior mean", x, scaled(prior.mean, factor), Curve::Style::dashed},
-                       {"predicted", x, scaled(predicted.mean, factor)},
-                       {"", x, scaled(predicted.low, factor), Curve::Style::dashed},
-                       {"", x, scaled(predicted.high, factor), Curve::Style::dashed}}};
+Plot panel_of(const std::string& title, const std::string& label, const Curve& measured,
+              const LibraryPrediction& prior, const LibraryPrediction& predicted,
+              const Quantity& quantity) {
+    Plot plot{.title = title,
+              .x_label = "axial strain (%)",
+              .y_label = label,
+              .curves = curves_with_band(predicted.curves, quantity, "predicted")};
+    plot.curves.insert(plot.curves.begin(), {measured, curve_of("prior mean", prior.curves,
+                                                                quantity, Curve::Style::dashed)});
+    return plot;
 }
 
 } // namespace
@@ -225,6 +217,11 @@ bool draw_scores(const std::filesystem::path& png, const SpecimenLibrary& librar
                  const std::vector<SpecimenScore>& scores) {
     const auto x = strains_of(library.axis);
     const LibraryTest& test = example.tests[pressure];
+    const auto measured = [&](const std::vector<float>& numbers, double factor) {
+        Curve curve{"measured", x, {}, Curve::Style::points};
+        for (const float number : numbers) curve.y.push_back(factor * double{number});
+        return curve;
+    };
     constexpr auto bands = ", 90 % band";
     const std::string at = " at " + label_of(library.pressures[pressure]);
     Plot ratio{
@@ -266,11 +263,12 @@ bool draw_scores(const std::filesystem::path& png, const SpecimenLibrary& librar
                .curves = {histogram, {"calibrated", {0, 1}, {1, 1}, Curve::Style::dashed}}};
     return draw_plots(
         png,
-        {panel_of("q" + at + bands, "q (kPa)", x, scaled(test.q, 1e-3), prior.q, predicted.q, 1e-3),
-         panel_of("Smoothed q" + at + bands, "q (kPa)", x, scaled(test.smoothed_q, 1e-3),
-                  prior.smoothed_q, predicted.smoothed_q, 1e-3),
-         panel_of("Volumetric strain" + at + bands, "volumetric strain (%)", x,
-                  scaled(test.volume, 100), prior.volume, predicted.volume, 100),
+        {panel_of("q" + at + bands, "q (kPa)", measured(test.q, 1e-3), prior, predicted,
+                  quantity::deviatoric_stress),
+         panel_of("Smoothed q" + at + bands, "q (kPa)", measured(test.smoothed_q, 1e-3), prior,
+                  predicted, quantity::smoothed_q),
+         panel_of("Volumetric strain" + at + bands, "volumetric strain (%)",
+                  measured(test.volume, 100), prior, predicted, quantity::volumetric_strain),
          ratio, learned, ranks},
         3);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "scenarios/assimilation/specimen_library.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
 
 #include <cstddef>
 #include <optional>

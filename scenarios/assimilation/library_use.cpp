@@ -1,7 +1,6 @@
 #include "scenarios/assimilation/library_use.hpp"
 
 #include "engine/errors.hpp"
-#include "engine/io/csv.hpp"
 
 #include <fmt/format.h>
 
@@ -47,23 +46,6 @@ std::string difference(std::span<const NamedValue> library, std::span<const Name
                                theirs.empty() ? "none" : theirs, ours.empty() ? "none" : ours);
     }
     return {};
-}
-
-/// A measured curve at a strain, between its neighbours; NaN where it was not measured within
-/// `step` on both sides.
-float value_at(const MeasuredTest& test, const std::vector<double>& curve, double strain,
-               double step) {
-    std::size_t before = test.strain.size(), after = before;
-    for (std::size_t k = 0; k < test.strain.size(); ++k) {
-        if (!std::isfinite(curve[k])) continue;
-        if (test.strain[k] <= strain + 1e-9) before = k;
-        if (test.strain[k] >= strain - 1e-9 && after == test.strain.size()) after = k;
-    }
-    if (before == test.strain.size() || after == test.strain.size()) return std::nanf("");
-    const double width = test.strain[after] - test.strain[before];
-    if (width > 2 * step) return std::nanf("");
-    const double part = width > 0 ? (strain - test.strain[before]) / width : 0;
-    return static_cast<float>(curve[before] + part * (curve[after] - curve[before]));
 }
 
 } // namespace
@@ -127,16 +109,18 @@ LibraryOfFile read_fitting_library(const std::filesystem::path& file_or_folder,
 }
 
 LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pressure,
-                                  const MeasuredTest& measured, LibraryObservations& observed) {
+                                  const MeasuredCurves& measured, LibraryObservations& observed) {
     LibrarySpecimen specimen;
     specimen.tests.resize(library.pressures.size());
     LibraryTest& test = specimen.tests[pressure];
+    const MonotonicStage stage(measured);
     for (std::size_t k = 0; k < library.axis.count; ++k) {
         const double strain = library.axis.strain(k);
         if (strain > observed.strain * (1 + 1e-9)) break;
-        test.q.push_back(value_at(measured, measured.q, strain, library.axis.step));
-        test.volume.push_back(
-            value_at(measured, measured.volumetric_strain, strain, library.axis.step));
+        for (const auto& [numbers, quantity] : {std::pair{&test.q, &quantity::deviatoric_stress},
+                                                {&test.volume, &quantity::volumetric_strain}})
+            numbers->push_back(
+                static_cast<float>(stage.value_at(*quantity, strain, library.axis.step)));
     }
     const auto is_complete = [](const std::vector<float>& curve) {
         return std::ranges::all_of(curve, [](float x) { return std::isfinite(x); });
@@ -148,13 +132,12 @@ LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pr
 }
 
 TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
-                            const MeasuredTest& measured, LibraryObservations observed,
+                            const MeasuredCurves& measured, LibraryObservations observed,
                             bool motion) {
     TestPrediction t;
     t.not_used = reason_against(library, model);
     if (!t.not_used.empty()) return t;
     const std::size_t p = pressure_index(library, model.pressure);
-    for (std::size_t k = 0; k < library.axis.count; ++k) t.strain.push_back(library.axis.strain(k));
     LibrarySpecimen specimen = measured_specimen(library, p, measured, observed);
     specimen.core_porosity = model.core_porosity;
     if (!observed.force && !observed.volume) {
@@ -174,16 +157,17 @@ TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& m
 std::string described(const TestPrediction& t) {
     if (!t.not_used.empty()) return "the library of specimens is not used: " + t.not_used;
     const LibraryPrediction& p = t.predicted;
-    std::string text = fmt::format("the library of specimens predicts from {}{} to {:g} % of "
-                                   "strain: friction {:.2f} ({:.2f} to "
-                                   "{:.2f} with 90 %), q at {:g} % {:.0f} kPa ({:.0f} to {:.0f})",
-                                   t.used.porosity ? "porosity and " : "",
-                                   t.used.force && t.used.volume ? "q and volume"
-                                   : t.used.force                ? "q"
-                                                                 : "volume",
-                                   100 * t.used.strain, p.friction.mean[0], p.friction.low[0],
-                                   p.friction.high[0], 100 * t.strain.back(), p.q.mean.back() / 1e3,
-                                   p.q.low.back() / 1e3, p.q.high.back() / 1e3);
+    const TestCurves::Column& q = p.curves.column(quantity::deviatoric_stress);
+    std::string text = fmt::format(
+        "the library of specimens predicts from {}{} to {:g} % of strain: friction {:.2f} ({:.2f} "
+        "to {:.2f} with 90 %), q at {:g} % {:.0f} kPa ({:.0f} to {:.0f})",
+        t.used.porosity ? "porosity and " : "",
+        t.used.force && t.used.volume ? "q and volume"
+        : t.used.force                ? "q"
+                                      : "volume",
+        100 * t.used.strain, p.friction.value, p.friction.low, p.friction.high,
+        100 * p.curves[quantity::axial_strain].back(), q.values.back() / 1e3, q.low.back() / 1e3,
+        q.high.back() / 1e3);
     if (p.distance > 1)
         text += fmt::format("; these measurements are {:.1f} times as far from its specimens as 95 "
                             "% of them are from the others: the bands are wider by this factor",
@@ -191,46 +175,13 @@ std::string described(const TestPrediction& t) {
     return text;
 }
 
-void write_prediction(const std::filesystem::path& csv, const TestPrediction& t) {
-    std::vector<std::vector<double>> rows;
-    for (std::size_t k = 0; k < t.strain.size(); ++k) {
-        rows.push_back({t.strain[k]});
-        for (const PredictedCurve* c :
-             {&t.predicted.q, &t.predicted.smoothed_q, &t.predicted.volume})
-            rows.back().insert(rows.back().end(), {c->mean[k], c->low[k], c->high[k]});
-    }
-    write_csv(csv,
-              {"axial_strain", "q_Pa", "q_low_Pa", "q_high_Pa", "smoothed_q_Pa",
-               "smoothed_q_low_Pa", "smoothed_q_high_Pa", "volumetric_strain",
-               "volumetric_strain_low", "volumetric_strain_high"},
-              rows, {"mean and 90 % band predicted by a library of specimens"}, 6);
-}
-
-std::vector<TriaxialPoint> points_of(const TestPrediction& t, const LibraryPrediction& curves,
-                                     double last_strain) {
-    std::vector<TriaxialPoint> points;
-    for (std::size_t k = 0; k < t.strain.size() && t.strain[k] < last_strain * (1 + 1e-9); ++k) {
-        TriaxialPoint& p = points.emplace_back();
-        p.axial_strain = t.strain[k];
-        p.deviatoric_stress = curves.q.mean[k];
-        p.volumetric_strain = curves.volume.mean[k];
-    }
-    return points;
-}
-
-std::vector<Curve> curves_of(const TestPrediction& t, const PredictedCurve& curve, double scale,
-                             const char* label) {
-    std::vector<Curve> curves;
-    for (const auto& [text, values] :
-         {std::pair{label, &curve.mean}, {"", &curve.low}, {"", &curve.high}}) {
-        Curve c{.label = text, .style = *text != '\0' ? Curve::Style::line : Curve::Style::dashed};
-        for (std::size_t k = 0; k < t.strain.size(); ++k) {
-            c.x.push_back(100 * t.strain[k]);
-            c.y.push_back(scale * (*values)[k]);
-        }
-        curves.push_back(std::move(c));
-    }
-    return curves;
+void write_prediction(const std::filesystem::path& csv, const TestCurves& predicted) {
+    write_curves(csv, predicted,
+                 {{&quantity::axial_strain},
+                  {&quantity::deviatoric_stress, "q"},
+                  {&quantity::smoothed_q},
+                  {&quantity::volumetric_strain}},
+                 "mean and 90 % band predicted by a library of specimens", 6);
 }
 
 } // namespace bris

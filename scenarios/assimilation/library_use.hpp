@@ -1,9 +1,7 @@
 #pragma once
 
-#include "engine/io/plot.hpp"
 #include "scenarios/assimilation/library_prediction.hpp"
-#include "scenarios/recordings/measured_test.hpp"
-#include "scenarios/recordings/triaxial_point.hpp"
+#include "scenarios/records/test_curves.hpp"
 
 #include <filesystem>
 #include <span>
@@ -23,7 +21,6 @@ struct ModelOfTest {
 struct TestPrediction {
     std::string not_used;               ///< why the library is not used; empty: it is
     LibraryObservations used;           ///< the measurements that were used
-    std::vector<double> strain;         ///< of the curves
     LibraryPrediction predicted, prior; ///< prior: without measurements
     std::vector<double> weights;        ///< of the library's specimens (HybridRegression)
 };
@@ -53,7 +50,7 @@ LibraryOfFile read_fitting_library(const std::filesystem::path& file_or_folder,
 /// the `pressure`-th pressure has q and volumetric strain; what was not measured at all of these
 /// strains is taken out of `observed`.
 LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pressure,
-                                  const MeasuredTest& measured, LibraryObservations& observed);
+                                  const MeasuredCurves& measured, LibraryObservations& observed);
 
 /// Predicts a test from its measured q and volumetric strain up to the strain `observed.strain`,
 /// each as far as it is asked for and measured at the strains of the library, and from the core
@@ -61,7 +58,7 @@ LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pr
 /// does not fit the test, or nothing was measured, `not_used` says why, and there is no prediction.
 /// `motion`: predict the sensor rocks and the displacement field too.
 TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
-                            const MeasuredTest& measured, LibraryObservations observed,
+                            const MeasuredCurves& measured, LibraryObservations observed,
                             bool motion = false);
 
 /// One line for the user: what was learned, how far the measurements lie from the library, or why
@@ -69,15 +66,6 @@ TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& m
 std::string described(const TestPrediction& prediction);
 
 /// Writes the predicted curves with their bands as CSV. Throws OutputError.
-void write_prediction(const std::filesystem::path& csv, const TestPrediction& prediction);
-
-/// The means of q and volumetric strain up to an axial strain, as points of a test whose other
-/// numbers are 0. `curves`: those of `prediction`, or its prior.
-std::vector<TriaxialPoint> points_of(const TestPrediction& prediction,
-                                     const LibraryPrediction& curves, double last_strain);
-
-/// Mean and band of a predicted curve for a plot against axial strain in per cent, in one colour.
-std::vector<Curve> curves_of(const TestPrediction& prediction, const PredictedCurve& curve,
-                             double scale, const char* label = "library (dashed: 90 % band)");
+void write_prediction(const std::filesystem::path& csv, const TestCurves& predicted);
 
 } // namespace bris

@@ -52,8 +52,8 @@ void LiveModel::learn_at(double strain, const RecordedTest& so_far, Due due) {
     if (passed == ends.rend() ||
         (due == Due::at_window_ends && *passed <= strain - 0.5 * settings_.stage_strain))
         return;
-    const auto all = learn(prior_, answering_->ensemble.members(), measured_test(so_far),
-                           settings_.learning, std::min(*passed, strain));
+    const auto all = learn(prior_, answering_->ensemble.members(), so_far, settings_.learning,
+                           std::min(*passed, strain));
     if (all.empty()) return;
     estimates_.push_back(all.back());
     estimates_.back().strain = strain;
@@ -63,20 +63,20 @@ bool LiveModel::second_is_due() const {
     const double first = settings_.learning.first_strain;
     return !catching_up_ && caught_up_at_ == 0 && lost_second_at_ == 0 &&
            first < settings_.final_strain &&
-           state_.points.size() >= stages_to(first, settings_.stage_strain);
+           state_.curves.size() >= stages_to(first, settings_.stage_strain);
 }
 
 void LiveModel::next_stage(const RecordedTest& so_far) {
     advance_members();
     const double strain = next_strain();
-    const std::size_t stage = state_.points.size();
+    const std::size_t stage = state_.curves.size();
     const bool caught_up = catching_up_ && catching_up_->ensemble.points() > stage;
     if (caught_up) {
         retired_ = std::exchange(answering_, std::exchange(catching_up_, {}));
         caught_up_at_ = strain;
     }
     if (stage > 0) { // before the parameters are learned from this stage's record
-        fused_ = fused_stress(answering_->ensemble.members(), estimate(), measured_test(so_far),
+        fused_ = fused_stress(answering_->ensemble.members(), estimate(), so_far.curves,
                               settings_.learning, stage);
         learn_at(strain, so_far, caught_up ? Due::now : Due::at_window_ends);
     }
@@ -86,7 +86,7 @@ void LiveModel::next_stage(const RecordedTest& so_far) {
                              settings_.stage_strain, "second", begin_);
     }
     forecast_stage(forecast_, answering_->ensemble.members(), estimate().mean);
-    state_.points.push_back(forecast_.points.back());
+    state_.curves.add_row_of(forecast_.curves, stage);
     state_.displacement.push_back(forecast_.displacement.back());
     state_.rotation.push_back(forecast_.rotation.back());
     const SensorInfo& info = so_far.recordings.front().info;
@@ -103,10 +103,10 @@ void LiveModel::advance_members() {
         retired_->ensemble.save_checkpoint();
         retired_.reset();
     }
-    const std::size_t needed = state_.points.size() + 1;
+    const std::size_t needed = state_.curves.size() + 1;
     answering_->advance_to(needed);
     if (catching_up_)
-        catch_up_to(std::min(needed, settings_.catch_up * (state_.points.size() - second_begun_)));
+        catch_up_to(std::min(needed, settings_.catch_up * (state_.curves.size() - second_begun_)));
 }
 
 /// If too few members remain, the test goes on with the first generation.

@@ -52,10 +52,10 @@ public:
     /// q of the last stage as expected from the records before it, and whether its record agrees.
     const FusedStress& fused() const { return fused_; }
     Gaussian estimate() const { return estimates_.empty() ? prior_ : estimates_.back().estimate; }
-    double strain() const { return state_.points.back().axial_strain; }
+    double strain() const { return state_.curves[quantity::axial_strain].back(); }
     /// Axial strain of the stage that next_stage will compute.
     double next_strain() const {
-        return static_cast<double>(state_.points.size()) * settings_.stage_strain;
+        return static_cast<double>(state_.curves.size()) * settings_.stage_strain;
     }
     bool done() const {
         return next_strain() > settings_.final_strain + 0.5 * settings_.stage_strain;

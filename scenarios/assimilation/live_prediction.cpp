@@ -30,15 +30,18 @@ bool LivePrediction::update(double strain, const RecordedTest& so_far) {
     const bool has_sensors = steps / library_.axis.every > used_ / library_.axis.every;
     used_ = steps;
     const auto began = this_instant();
-    last_ = predict_test(library_, model_, measured_test(so_far),
+    last_ = predict_test(library_, model_, so_far.curves,
                          {.strain = static_cast<double>(steps) * library_.axis.step});
     if (has_sensors) estimate_rings_now(so_far);
     times_.push_back(seconds_since(began));
     if (!last_.not_used.empty()) return false;
     const LibraryPrediction& p = last_.predicted;
-    rows_.push_back({last_.used.strain, p.friction.mean[0], p.friction.low[0], p.friction.high[0],
-                     p.smoothed_q.mean.back(), p.smoothed_q.low.back(), p.smoothed_q.high.back(),
-                     p.volume.mean.back(), p.volume.low.back(), p.volume.high.back(), p.distance});
+    rows_.push_back({last_.used.strain, p.friction.value, p.friction.low, p.friction.high});
+    for (const Quantity* q : {&quantity::smoothed_q, &quantity::volumetric_strain}) {
+        const TestCurves::Column& c = p.curves.column(*q);
+        rows_.back().insert(rows_.back().end(), {c.values.back(), c.low.back(), c.high.back()});
+    }
+    rows_.back().push_back(p.distance);
     return true;
 }
 
@@ -55,7 +58,7 @@ void LivePrediction::estimate_rings_now(const RecordedTest& so_far) {
 
 void LivePrediction::write(const std::filesystem::path& folder) const {
     if (rows_.empty()) return;
-    if (last_.not_used.empty()) write_prediction(folder / "predicted.csv", last_);
+    if (last_.not_used.empty()) write_prediction(folder / "predicted.csv", last_.predicted.curves);
     write_csv(folder / "predictions.csv",
               {"axial_strain", "friction", "friction_low", "friction_high", "last_smoothed_q_Pa",
                "last_smoothed_q_low_Pa", "last_smoothed_q_high_Pa", "last_volumetric_strain",

@@ -9,7 +9,7 @@
 
 namespace bris {
 
-void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
+void draw_live(const std::filesystem::path& png, const ComparedTests& tests,
                const std::vector<std::vector<double>>& rows, const LivePrediction& prediction,
                double learned_strain) {
     std::vector<Plot> panels;
@@ -17,11 +17,10 @@ void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
         panels.push_back({.title = title,
                           .x_label = "axial strain (%)",
                           .y_label = label,
-                          .curves = compared_curves(points, make)});
+                          .curves = compared_curves(tests, make)});
     };
-    panel("Deviatoric stress", "q (kPa)", curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
-    panel("Volumetric strain", "volumetric strain (%)",
-          curves_of(100, &TriaxialPoint::volumetric_strain));
+    panel("Deviatoric stress", "q (kPa)", curves_of(quantity::deviatoric_stress));
+    panel("Volumetric strain", "volumetric strain (%)", curves_of(quantity::volumetric_strain));
     Plot friction{.title = "Estimated friction coefficient (dashed: one standard deviation)",
                   .x_label = "axial strain (%)",
                   .y_label = "friction"};
@@ -36,10 +35,10 @@ void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
     }
     panels.push_back(std::move(friction));
     if (prediction.last().not_used.empty()) {
-        const LibraryPrediction& p = prediction.last().predicted;
-        for (Curve& c : curves_of(prediction.last(), p.q, 1e-3))
+        const TestCurves& predicted = prediction.last().predicted.curves;
+        for (Curve& c : curves_with_band(predicted, quantity::deviatoric_stress))
             panels[0].curves.push_back(std::move(c));
-        for (Curve& c : curves_of(prediction.last(), p.volume, 100))
+        for (Curve& c : curves_with_band(predicted, quantity::volumetric_strain))
             panels[1].curves.push_back(std::move(c));
     }
     for (Plot& plot : panels) mark_end_of_learning(plot, learned_strain);
@@ -49,7 +48,7 @@ void draw_live(const std::filesystem::path& png, const ComparedPoints& points,
                           .y_label = "ring, from below",
                           .curves = curves_of(rings)});
         panels.back().curves.push_back(ring_curve(
-            "measured", ring_strains(*points.measured, rings.strain), Curve::Style::points));
+            "measured", ring_strains(*tests.measured, rings.strain), Curve::Style::points));
     }
     draw_plots(png, panels, 3);
 }

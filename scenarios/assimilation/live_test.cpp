@@ -5,7 +5,7 @@
 #include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
 #include "scenarios/recordings/device_channels.hpp"
-#include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/records/quality_control_report.hpp"
 
 #include <fmt/format.h>
 
@@ -45,6 +45,16 @@ std::string unknown_times(const SensorTimeline& timeline) {
                        "clock was set or began again, found neither: {} records of unknown time "
                        "are left out",
                        timeline.of_unknown_time);
+}
+
+/// Adds what the machine measured as a row.
+void add_record(MeasuredCurves& curves, const StreamRecord& record) {
+    const auto row = curves.add_row();
+    for (const Quantity* q :
+         {&quantity::axial_strain, &quantity::deviatoric_stress, &quantity::volumetric_strain})
+        row[*q] = record.number(title_of(*q));
+    for (std::size_t r = 0; record.has(title_of(quantity::ring_radius, r)); ++r)
+        row.part(quantity::ring_radius, r) = record.number(title_of(quantity::ring_radius, r));
 }
 
 } // namespace
@@ -405,16 +415,6 @@ void LiveTest::check_clocks(RecordedTest& test, const Timelines& timelines) cons
     }
 }
 
-TriaxialPoint LiveTest::point_of(const StreamRecord& record) const {
-    TriaxialPoint p;
-    p.axial_strain = record.number("axial_strain");
-    p.deviatoric_stress = record.number("deviatoric_stress_Pa");
-    p.volumetric_strain = record.number("volumetric_strain");
-    for (std::size_t r = 1; record.has(fmt::format("ring_{}_radius_m", r)); ++r)
-        p.ring_radius.push_back(record.number(fmt::format("ring_{}_radius_m", r)));
-    return p;
-}
-
 RecordedTest LiveTest::so_far() const { return test_of(timelines()); }
 
 RecordedTest LiveTest::test_of(const Timelines& timelines) const {
@@ -422,7 +422,7 @@ RecordedTest LiveTest::test_of(const Timelines& timelines) const {
     test.pressure = settings_.pressure;
     for (const SensorInfo& info : infos_)
         test.recordings.push_back(recording_of(info, timelines.at(info.id)));
-    for (const auto& [strain, record] : machine_) test.measured.push_back(point_of(record));
+    for (const auto& [strain, record] : machine_) add_record(test.curves, record);
     examine(test, settings_.quality_control);
     check_clocks(test, timelines);
     return test;

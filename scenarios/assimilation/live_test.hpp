@@ -4,7 +4,7 @@
 #include "scenarios/assimilation/machine_times.hpp"
 #include "scenarios/assimilation/machine_track.hpp"
 #include "scenarios/assimilation/sensor_records.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
 #include "scenarios/stream/record_stream.hpp"
 
 #include <cstdint>
@@ -86,7 +86,6 @@ private:
     void check_clocks(RecordedTest& test, const Timelines& timelines) const;
     std::optional<double> clock_ahead(const SensorInfo& info, const SensorTimeline& timeline) const;
     std::string report_on_sensors(const Timelines& timelines) const;
-    TriaxialPoint point_of(const StreamRecord& record) const;
 
     std::unique_ptr<Lines> lines_;
     RecordParser parser_;

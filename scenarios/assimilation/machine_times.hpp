@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/synchronise.hpp"
+#include "scenarios/records/synchronise.hpp"
 
 #include <cstdint>
 #include <map>

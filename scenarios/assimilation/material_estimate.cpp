@@ -3,7 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
 #include "scenarios/assimilation/library_use.hpp"
-#include "scenarios/triaxial/triaxial_results.hpp"
+#include "scenarios/records/draw_curves.hpp"
 
 #include <fmt/format.h>
 
@@ -46,10 +46,6 @@ LibraryTest between(const LibraryTest& a, const LibraryTest& b, double part) {
     return {geometric(a.q, b.q),          geometric(a.smoothed_q, b.smoothed_q),
             linear(a.volume, b.volume),   linear(a.rings, b.rings),
             linear(a.sensors, b.sensors), linear(a.field, b.field)};
-}
-
-NumberWithBand number_of(const PredictedCurve& curve, double factor = 1) {
-    return {factor * curve.mean[0], factor * curve.low[0], factor * curve.high[0]};
 }
 
 double root_mean_square(const LeaveOneOutRegression& r, Eigen::Index column) {
@@ -141,7 +137,7 @@ std::vector<std::string> notes_on(const SpecimenLibrary& library, const TestOfMa
                                   double distance) {
     std::vector<std::string> notes;
     const double last = library.axis.strain(library.axis.count - 1);
-    if (test.measured.strain.back() > last + library.axis.step)
+    if (test.measured[quantity::axial_strain].back() > last + library.axis.step)
         notes.push_back(fmt::format("what was measured beyond {:g} % of strain is not used, since "
                                     "the library ends there",
                                     100 * last));
@@ -165,11 +161,11 @@ void check_test(const TestOfMaterial& test, const SpecimenLibrary& library, doub
         strain >= shortest_test * (1 - 1e-9),
         fmt::format("--test: expected measurements to at least {:g} of axial strain, found {:g}",
                     shortest_test, strain));
-    require(test.measured.strain.front() <= library.axis.step * (1 + 1e-9),
+    require(test.measured[quantity::axial_strain].front() <= library.axis.step * (1 + 1e-9),
             fmt::format("--test: expected measurements from at most {:g} of axial strain on, found "
                         "{:g} as the first",
-                        library.axis.step, test.measured.strain.front()));
-    const double most = *std::ranges::max_element(test.measured.q);
+                        library.axis.step, test.measured[quantity::axial_strain].front()));
+    const double most = std::ranges::max(test.measured[quantity::deviatoric_stress]);
     require(most > 0.1 * test.pressure && most < 100 * test.pressure,
             fmt::format("--test: expected a largest deviatoric stress of 0.1 to 100 times the "
                         "confining pressure of {:g} Pa, found {:g} Pa: another unit?",
@@ -210,9 +206,10 @@ MaterialEstimate estimate_material(SpecimenLibrary library, const TestOfMaterial
     if (own >= known_pressures)
         e.notes.push_back(
             fmt::format("the library is interpolated to {}", label_of(test.pressure)));
-    const double steps = std::floor(std::min({test.measured.strain.back(), test.last_strain,
-                                              library.axis.strain(library.axis.count - 1)}) /
-                                    library.axis.step * (1 + 1e-9));
+    const double steps =
+        std::floor(std::min({test.measured[quantity::axial_strain].back(), test.last_strain,
+                             library.axis.strain(library.axis.count - 1)}) /
+                   library.axis.step * (1 + 1e-9));
     e.used = {.strain = steps * library.axis.step, .porosity = test.core_porosity > 0};
     check_test(test, library, e.used.strain);
     LibrarySpecimen specimen = measured_specimen(library, own, test.measured, e.used);
@@ -221,14 +218,13 @@ MaterialEstimate estimate_material(SpecimenLibrary library, const TestOfMaterial
             fmt::format("--test: expected q at steps of {:g} of axial strain or closer up to {:g}, "
                         "found gaps; --learning-strain ends before them",
                         library.axis.step, e.used.strain));
-    for (std::size_t k = 0; k < library.axis.count; ++k) e.strain.push_back(library.axis.strain(k));
     for (std::size_t p = 0; p < library.pressures.size(); ++p) {
         const LibraryPredictor predictor(library, e.used, own, p);
         e.tests.push_back({library.pressures[p], predictor.predict(specimen)});
         if (p != own) continue;
         const LibraryPrediction& at = e.tests.back().predicted;
-        e.card = {number_of(at.friction), number_of(at.stiffness, stiffness),
-                  number_of(at.porosity)};
+        const auto& [value, low, high] = at.stiffness;
+        e.card = {at.friction, {stiffness * value, stiffness * low, stiffness * high}, at.porosity};
         if (test.core_porosity > 0)
             e.card.core_porosity = {test.core_porosity, test.core_porosity, test.core_porosity};
         e.distance = at.distance;
@@ -259,34 +255,26 @@ void write_further_tests(const std::filesystem::path& csv, const MaterialEstimat
 bool draw_material(const std::filesystem::path& png, const MaterialEstimate& e,
                    const TestOfMaterial& test) {
     std::vector<Plot> q, volume;
+    const std::size_t every = 1 + test.measured.size() / 100;
+    const TestCurves some = test.measured.rows_where([&](std::size_t k) { return k % every == 0; });
     for (const PredictedTest& t : e.tests) {
-        TestPrediction curves;
-        curves.strain = e.strain;
-        curves.predicted = t.predicted;
+        const TestCurves& predicted = t.predicted.curves;
         const bool own = std::abs(t.pressure / test.pressure - 1) < 0.01;
-        const auto panel = [&](const std::string& title, const char* label,
-                               const std::vector<double>& measured, const PredictedCurve& predicted,
-                               double scale) {
+        const auto panel = [&](const char* title, const char* label, const Quantity& quantity) {
             Plot plot{.title = fmt::format("{} at {}", title, label_of(t.pressure)),
                       .x_label = "axial strain (%)",
                       .y_label = label,
-                      .curves = {}};
-            if (own) {
-                Curve points{"measured", {}, {}, Curve::Style::points};
-                for (std::size_t k = 0; k < measured.size(); k += 1 + measured.size() / 100) {
-                    if (test.measured.strain[k] > e.strain.back()) break;
-                    points.x.push_back(100 * test.measured.strain[k]);
-                    points.y.push_back(scale * measured[k]);
-                }
-                plot.curves.push_back(std::move(points));
-            }
-            for (Curve& c : curves_of(curves, predicted, scale))
-                plot.curves.push_back(std::move(c));
+                      .curves = curves_with_band(predicted, quantity)};
+            if (own)
+                plot.curves.insert(plot.curves.begin(),
+                                   curve_of("measured",
+                                            some.up_to(predicted[quantity::axial_strain].back()),
+                                            quantity, Curve::Style::points));
             return plot;
         };
-        q.push_back(panel("Deviatoric stress", "q (kPa)", test.measured.q, t.predicted.q, 1e-3));
-        volume.push_back(panel("Volumetric strain", "volumetric strain (%)",
-                               test.measured.volumetric_strain, t.predicted.volume, 100));
+        q.push_back(panel("Deviatoric stress", "q (kPa)", quantity::deviatoric_stress));
+        volume.push_back(
+            panel("Volumetric strain", "volumetric strain (%)", quantity::volumetric_strain));
     }
     const auto columns = static_cast<unsigned>(q.size());
     q.insert(q.end(), volume.begin(), volume.end());

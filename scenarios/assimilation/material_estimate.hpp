@@ -1,7 +1,7 @@
 #pragma once
 
 #include "scenarios/assimilation/library_prediction.hpp"
-#include "scenarios/recordings/measured_test.hpp"
+#include "scenarios/records/test_curves.hpp"
 #include "scenarios/specimens/material_card_file.hpp"
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace bris {
 
 /// A measured test from which the properties of its rocks are estimated.
 struct TestOfMaterial {
-    MeasuredTest measured;
+    MeasuredCurves measured;
     double pressure = 0;      ///< Pa
     double core_porosity = 0; ///< at the start of shearing; 0: not known
     double last_strain = 1;   ///< axial strain up to which measurements are used
@@ -40,7 +40,6 @@ struct MaterialEstimate {
     MaterialCard card;
     double ln_friction_prior = 0;           ///< standard deviation of ln friction in the library
     double distance = 0;                    ///< of the measurements (LibraryPrediction)
-    std::vector<double> strain;             ///< of the curves
     std::vector<PredictedTest> tests;       ///< by increasing pressure
     std::vector<FurtherTest> further_tests; ///< what is known first, then the most telling first
     std::vector<std::string> notes;         ///< what is interpolated, extrapolated or not used

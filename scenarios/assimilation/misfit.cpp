@@ -12,10 +12,11 @@ constexpr double same_strain = 1e-5; // largest difference between a measurement
 /// Root mean square difference of the displacements of the sensor rocks, where they were measured.
 double sensor_difference(const ModelRun& run, const std::vector<SensorTrajectory>& trajectories,
                          const StrainRange& range) {
+    const MonotonicStage stages(run.curves);
     double squares = 0, count = 0;
     for (std::size_t s = 0; s < std::min(run.sensors, trajectories.size()); ++s) {
         for (std::size_t k = 0; k < trajectories[s].strain.size(); ++k) {
-            const auto stage = stage_at(run.points, trajectories[s].strain[k], same_strain);
+            const auto stage = stages.nearest(trajectories[s].strain[k], same_strain);
             if (!stage || !range.holds(trajectories[s].strain[k]) ||
                 !trajectories[s].displacement[k].allFinite())
                 continue;
@@ -34,13 +35,11 @@ bool StrainRange::holds(double strain) const {
     return strain > above && strain <= to + same_strain;
 }
 
-std::vector<double> ring_strains(const std::vector<TriaxialPoint>& points, double axial_strain) {
-    const auto at = stage_at(points, axial_strain, same_strain);
-    const std::vector<double>& start = points.front().ring_radius;
-    if (!at || points[*at].ring_radius.size() != start.size()) return {};
+std::vector<double> ring_strains(const TestCurves& curves, double axial_strain) {
+    const auto row = MonotonicStage(curves).nearest(axial_strain, same_strain);
     std::vector<double> strains;
-    for (std::size_t r = 0; r < start.size(); ++r)
-        strains.push_back(points[*at].ring_radius[r] / start[r] - 1);
+    for (std::size_t r = 0; row && r < curves.rings(); ++r)
+        strains.push_back(curves.ring(r)[*row] / curves.ring(r).front() - 1);
     return strains;
 }
 
@@ -55,28 +54,31 @@ double ring_difference(const std::vector<double>& a, const std::vector<double>& 
     return std::sqrt(squares / count);
 }
 
-double curve_difference(const std::vector<TriaxialPoint>& curve,
-                        const std::vector<TriaxialPoint>& measured, const StrainRange& range,
-                        double TriaxialPoint::*value) {
+double curve_difference(const MeasuredCurves& measured, const TestCurves& predicted,
+                        const StrainRange& range, const Quantity& q) {
+    const MonotonicStage stages(predicted);
+    const auto &strain = measured[quantity::axial_strain], &found = measured[q],
+               &expected = predicted[q];
     double squares = 0, count = 0;
-    for (const TriaxialPoint& m : measured) {
-        const auto stage = stage_at(curve, m.axial_strain, same_strain);
-        if (!range.holds(m.axial_strain) || !stage || !std::isfinite(m.*value)) continue;
-        squares += std::pow(curve[*stage].*value - m.*value, 2);
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+        const auto stage = stages.nearest(strain[k], same_strain);
+        if (!range.holds(strain[k]) || !stage || !std::isfinite(found[k])) continue;
+        squares += std::pow(expected[*stage] - found[k], 2);
         ++count;
     }
     return std::sqrt(squares / count);
 }
 
-Misfit misfit_of(const ModelRun& run, const RecordedTest& test, const StrainRange& range) {
-    const double end = run.points.back().axial_strain;
-    return {
-        .q = curve_difference(run.points, test.measured, range, &TriaxialPoint::deviatoric_stress),
-        .volumetric_strain =
-            curve_difference(run.points, test.measured, range, &TriaxialPoint::volumetric_strain),
-        .ring_strain =
-            ring_difference(ring_strains(run.points, end), ring_strains(test.measured, end)),
-        .sensor_displacement = sensor_difference(run, test.trajectories, range)};
+Misfit misfit_of(const Measurements& test, const ModelRun& run, const StrainRange& range) {
+    const double end = run.curves[quantity::axial_strain].back();
+    const auto difference = [&](const Quantity& q) {
+        return curve_difference(test.curves, run.curves, range, q);
+    };
+    return {.q = difference(quantity::deviatoric_stress),
+            .volumetric_strain = difference(quantity::volumetric_strain),
+            .ring_strain =
+                ring_difference(ring_strains(test.curves, end), ring_strains(run.curves, end)),
+            .sensor_displacement = sensor_difference(run, test.trajectories, range)};
 }
 
 } // namespace bris

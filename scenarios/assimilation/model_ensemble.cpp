@@ -14,25 +14,23 @@ namespace {
 
 /// Adds one stage to `sum`: the weighted sum of that stage of all members.
 void add_blend(ModelRun& sum, const Ensemble& members, const Vector& weights, std::size_t stage) {
-    TriaxialPoint point;
     const ModelRun& like = members.runs.front();
-    point.ring_radius.assign(like.points[stage].ring_radius.size(), 0);
+    const auto row = sum.curves.add_row();
+    for (const auto& [of, part, values, low, high] : like.curves.columns()) {
+        double& blend = row.part(*of, part) = 0;
+        for (std::size_t j = 0; j < members.runs.size(); ++j)
+            blend += weights[static_cast<Eigen::Index>(j)] *
+                     members.runs[j].curves.column(*of, part).values[stage];
+    }
     std::vector<Vec3> displacement(like.rocks.size(), Vec3::Zero()), rotation = displacement;
     for (std::size_t j = 0; j < members.runs.size(); ++j) {
         const double w = weights[static_cast<Eigen::Index>(j)];
         const ModelRun& run = members.runs[j];
-        const TriaxialPoint& p = run.points[stage];
-        point.axial_strain += w * p.axial_strain;
-        point.volumetric_strain += w * p.volumetric_strain;
-        point.deviatoric_stress += w * p.deviatoric_stress;
-        for (std::size_t r = 0; r < point.ring_radius.size(); ++r)
-            point.ring_radius[r] += w * p.ring_radius[r];
         for (std::size_t rock = 0; rock < displacement.size(); ++rock) {
             displacement[rock] += w * run.displacement[stage][rock];
             rotation[rock] += w * run.rotation[stage][rock];
         }
     }
-    sum.points.push_back(point);
     sum.displacement.push_back(std::move(displacement));
     sum.rotation.push_back(std::move(rotation));
 }
@@ -124,7 +122,7 @@ ModelRun empty_run_like(const ModelRun& run) {
 
 void forecast_stage(ModelRun& sum, const Ensemble& members, const Vector& at) {
     add_blend(sum, members, EnsembleRegression(logarithms_of(members.parameters)).weights_at(at),
-              sum.points.size());
+              sum.curves.size());
 }
 
 } // namespace bris

@@ -52,7 +52,7 @@ public:
     /// Advances all members until they have so many points. Throws as run_members does.
     void advance_to(std::size_t points);
     std::size_t points() const {
-        return ensemble_.runs.empty() ? 0 : ensemble_.runs.front().points.size();
+        return ensemble_.runs.empty() ? 0 : ensemble_.runs.front().curves.size();
     }
     const Ensemble& members() const { return ensemble_; }
     void save_checkpoint() const { runs_.save_checkpoint(); }

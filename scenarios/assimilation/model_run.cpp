@@ -16,9 +16,9 @@ ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings,
 }
 
 std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain) {
-    if (run.points.size() < 2) return {};
-    return stage_at(run.points, strain,
-                    0.501 * (run.points[1].axial_strain - run.points[0].axial_strain));
+    if (run.curves.size() < 2) return {};
+    const std::vector<double>& strains = run.curves[quantity::axial_strain];
+    return MonotonicStage(run.curves).nearest(strain, 0.501 * (strains[1] - strains[0]));
 }
 
 } // namespace bris

@@ -63,7 +63,7 @@ inline constexpr unsigned farthest_shell = 4;
 
 /// Motion of all rocks since the start of shearing, stage by stage, in the order of `rocks`.
 struct ModelRun {
-    std::vector<TriaxialPoint> points;           ///< one at the start, one for each stage
+    TestCurves curves;                           ///< one row at the start, one for each stage
     std::vector<std::vector<Vec3>> displacement; ///< m, by stage and rock
     std::vector<std::vector<Vec3>> rotation;     ///< rad, rotation vectors, by stage and rock
     std::vector<EntityId> rocks;                 ///< sensor rocks first
@@ -91,8 +91,7 @@ struct ModelRun {
 /// Observers of a run: `progress` is called after each block of steps, `stage` after each stage.
 struct ModelWatch {
     ReportProgress progress = [](const PhaseProgress&) {};
-    std::function<void(const World&, const TriaxialPoint&)> stage = [](const World&,
-                                                                       const TriaxialPoint&) {};
+    std::function<void(const World&, double strain)> stage = [](const World&, double) {};
 };
 
 /// The stage of a run nearest to the strain of a sample; nothing if the run does not reach it. Half

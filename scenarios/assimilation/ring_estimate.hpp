@@ -1,7 +1,8 @@
 #pragma once
 
 #include "scenarios/assimilation/library_use.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/draw_curves.hpp"
+#include "scenarios/records/recorded_test.hpp"
 
 #include <filesystem>
 #include <string>

@@ -48,9 +48,9 @@ std::vector<ModelRun> try_from(const std::vector<Start>& starts, const TriaxialS
 
 /// Adds to `sum` the stages of a run that it does not have yet, up to a number of points.
 void add_stages(ModelRun& sum, const ModelRun& run, std::size_t points) {
-    if (sum.points.empty()) sum = empty_run_like(run);
-    for (std::size_t k = sum.points.size(); k < std::min(points, run.points.size()); ++k) {
-        sum.points.push_back(run.points[k]);
+    if (sum.curves.empty()) sum = empty_run_like(run);
+    for (std::size_t k = sum.curves.size(); k < std::min(points, run.curves.size()); ++k) {
+        sum.curves.add_row_of(run.curves, k);
         sum.displacement.push_back(run.displacement[k]);
         sum.rotation.push_back(run.rotation[k]);
     }

@@ -6,7 +6,7 @@
 #include "scenarios/assimilation/library_use.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/ring_estimate.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
 #include "systems/output/picture.hpp"
 
 #include <vector>

@@ -56,11 +56,12 @@ void add_field(std::vector<float>& field, const ModelRun& run,
             field.push_back(static_cast<float>(sum / std::max(1.0, rocks[c])));
 }
 
-double smoothed_q(const std::vector<TriaxialPoint>& points, double strain) {
+double smoothed_q(const TestCurves& curves, double strain) {
+    const auto &strains = curves[quantity::axial_strain], &q = curves[quantity::deviatoric_stress];
     double sum = 0, count = 0;
-    for (const TriaxialPoint& p : points) {
-        if (std::abs(p.axial_strain - strain) > LibraryAxis::half_window * (1 + 1e-6)) continue;
-        sum += p.deviatoric_stress;
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+        if (std::abs(strains[k] - strain) > LibraryAxis::half_window * (1 + 1e-6)) continue;
+        sum += q[k];
         ++count;
     }
     return sum / count;
@@ -68,7 +69,7 @@ double smoothed_q(const std::vector<TriaxialPoint>& points, double strain) {
 
 std::size_t stage_for(const ModelRun& run, double strain) {
     const auto stage = stage_of_sample(run, strain);
-    require(stage && std::abs(run.points[*stage].axial_strain - strain) < 1e-6,
+    require(stage && std::abs(run.curves[quantity::axial_strain][*stage] - strain) < 1e-6,
             fmt::format("specimen library: expected a stage at an axial strain of {:g}, found none",
                         strain));
     return *stage;
@@ -196,14 +197,16 @@ Vec3 polar(const Vec3& v, const Vec3& place) {
 
 LibraryTest sampled(const ModelRun& run, const LibraryAxis& axis) {
     LibraryTest test;
-    const auto& start = run.points.front().ring_radius;
     for (std::size_t k = 0; k < axis.count; ++k) {
-        const TriaxialPoint& p = run.points[stage_for(run, axis.strain(k))];
-        test.q.push_back(static_cast<float>(p.deviatoric_stress));
-        test.smoothed_q.push_back(static_cast<float>(smoothed_q(run.points, axis.strain(k))));
-        test.volume.push_back(static_cast<float>(p.volumetric_strain));
-        for (std::size_t r = 0; r < start.size(); ++r)
-            test.rings.push_back(static_cast<float>(p.ring_radius[r] / start[r] - 1));
+        const std::size_t stage = stage_for(run, axis.strain(k));
+        const auto add = [&](std::vector<float>& numbers, double x) {
+            numbers.push_back(static_cast<float>(x));
+        };
+        add(test.q, run.curves[quantity::deviatoric_stress][stage]);
+        add(test.smoothed_q, smoothed_q(run.curves, axis.strain(k)));
+        add(test.volume, run.curves[quantity::volumetric_strain][stage]);
+        for (std::size_t r = 0; r < run.curves.rings(); ++r)
+            add(test.rings, run.curves.ring(r)[stage] / run.curves.ring(r).front() - 1);
     }
     const auto cells = cells_of_rocks(run);
     for (std::size_t k = 0; k < axis.coarse_count(); ++k) {

@@ -92,7 +92,7 @@ TriaxialModel::TriaxialModel(const TriaxialScene& scene, const TriaxialSettings&
 bool TriaxialModel::advance(const ModelVariant& variant) {
     if (!test_.advance()) return false;
     if (start_.empty() && stages() > 0)
-        begin_shear(variant, poses(), test_.state().points.back().boundary_work);
+        begin_shear(variant, poses(), test_.state().curves[quantity::boundary_work].back());
     return true;
 }
 

@@ -24,14 +24,14 @@ public:
     World& world() { return simulation_.world(); }
     const TriaxialTest& test() const { return test_; }
     /// Number of points: one at the start of shearing, one for each stage.
-    std::size_t stages() const { return test_.state().points.size(); }
+    std::size_t stages() const { return test_.state().curves.size(); }
     const std::vector<EntityId>& rocks() const { return rocks_; } ///< sensor rocks first
     std::size_t sensors() const { return sensors_; }
     const std::vector<RockPose>& start() const { return start_; } ///< empty before shearing
     std::vector<RockPose> poses();
     /// Work (J) of the boundaries since shearing began.
     double boundary_work() const {
-        return test_.state().points.back().boundary_work - work_before_;
+        return test_.state().curves[quantity::boundary_work].back() - work_before_;
     }
     /// Number of contacts from each rock to the nearest sensor rock, at present; at most
     /// farthest_shell.

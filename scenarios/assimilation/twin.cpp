@@ -3,7 +3,7 @@
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/signal/imu.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -38,8 +38,8 @@ std::vector<SensorTrajectory> recorded_trajectories(const ModelRun& truth,
             return deviation * Vec3(random.normal(), random.normal(), random.normal());
         };
         double last = 0;
-        for (std::size_t stage = 1; stage < truth.points.size(); ++stage) {
-            const double strain = truth.points[stage].axial_strain;
+        for (std::size_t stage = 1; stage < truth.curves.size(); ++stage) {
+            const double strain = truth.curves[quantity::axial_strain][stage];
             if (strain - last < 0.999 * interval) continue;
             last = strain;
             const bool lost = fault.uniform() < faults.dropout,
@@ -121,7 +121,7 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
                    noise(settings.attitude_noise));
         std::size_t stage = 0;
         for (std::size_t k = 0; k < trajectories[s].strain.size(); ++k) {
-            while (truth.points[stage].axial_strain < trajectories[s].strain[k]) ++stage;
+            while (truth.curves[quantity::axial_strain][stage] < trajectories[s].strain[k]) ++stage;
             sample(trajectories[s].strain[k], truth.rotation[stage][s],
                    trajectories[s].displacement[k], trajectories[s].rotation[k]);
         }
@@ -150,7 +150,8 @@ SensorObservations observe_sensors(const ModelRun& truth, const SensorSettings& 
                    .attitude = false});
     observations.trajectories = test.trajectories;
     observations.refused = test.refused();
-    const double duration = truth.points.back().axial_strain / 1e-4 * recording.stage_time;
+    const double duration =
+        truth.curves[quantity::axial_strain].back() / 1e-4 * recording.stage_time;
     for (const Observability& observability :
          observability_of(test.recordings.front(), duration, 1,
                           1)) // noise as declared, the same for all sensors
@@ -161,16 +162,18 @@ SensorObservations observe_sensors(const ModelRun& truth, const SensorSettings& 
 
 TwinErrors errors_of(const ModelRun& run, const ModelRun& truth) {
     TwinErrors e;
-    const std::size_t stages = std::min(run.points.size(), truth.points.size());
+    const std::size_t stages = std::min(run.curves.size(), truth.curves.size());
     double q = 0, volume = 0, ring = 0, rings = 0;
     std::vector<double> displacement(shells), rotation(shells), count(shells);
     for (std::size_t k = 1; k < stages; ++k) {
-        const TriaxialPoint &a = run.points[k], &b = truth.points[k];
-        q += std::pow(a.deviatoric_stress - b.deviatoric_stress, 2);
-        volume += std::pow(a.volumetric_strain - b.volumetric_strain, 2);
-        for (std::size_t r = 0; r < a.ring_radius.size(); ++r, ++rings)
-            ring += std::pow((a.ring_radius[r] - run.points[0].ring_radius[r]) -
-                                 (b.ring_radius[r] - truth.points[0].ring_radius[r]),
+        const auto squared = [&](const Quantity& x) {
+            return std::pow(run.curves[x][k] - truth.curves[x][k], 2);
+        };
+        q += squared(quantity::deviatoric_stress);
+        volume += squared(quantity::volumetric_strain);
+        for (std::size_t r = 0; r < run.curves.rings(); ++r, ++rings)
+            ring += std::pow((run.curves.ring(r)[k] - run.curves.ring(r)[0]) -
+                                 (truth.curves.ring(r)[k] - truth.curves.ring(r)[0]),
                              2);
         for (std::size_t rock = 0; rock < truth.rocks.size(); ++rock) {
             const std::size_t s = truth.shell[rock];

@@ -5,7 +5,8 @@
 #include "engine/stopwatch.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/assimilation/twin_variants.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
+#include "scenarios/specimens/recorded_motion.hpp"
 
 #include <fmt/format.h>
 
@@ -63,9 +64,8 @@ std::vector<ModelRun> TwinExperiment::run_all(const std::vector<ModelVariant>& v
 /// run to the end of the test.
 Assimilated TwinExperiment::assimilate() {
     const auto began = this_instant();
-    MeasuredTest measured = measured_test(this->measured());
-    measured.trajectories = observations_->trajectories;
-    measured.displacement_noise = observations_->position_noise;
+    const Measurements measured{this->measured(), observations_->trajectories,
+                                observations_->position_noise};
     const Gaussian prior = prior_of(t_.model, learning_);
     const PreparedSpecimen& specimen = specimen_of("analysis");
     Assimilated assimilated{.learned = learn_in_two_generations(
@@ -83,12 +83,12 @@ Assimilated TwinExperiment::assimilate() {
 }
 
 /// Measurements of the truth by the test machine.
-std::vector<TriaxialPoint> TwinExperiment::measured() const {
-    std::vector<TriaxialPoint> points = truth_.points;
+MeasuredCurves TwinExperiment::measured() const {
+    MeasuredCurves curves(truth_.curves);
     Random random(common_.seed, 999);
-    for (TriaxialPoint& p : points)
-        p.deviatoric_stress *= 1 + t_.learning.force_noise * random.normal();
-    return points;
+    for (double& q : curves[quantity::deviatoric_stress])
+        q *= 1 + t_.learning.force_noise * random.normal();
+    return curves;
 }
 
 /// The forecast of the ensemble members, with the recordings of the sensors extended to all rocks.
@@ -100,16 +100,17 @@ ModelRun TwinExperiment::compute_analysis_of(const ModelVariant& variant) const 
 }
 
 void TwinExperiment::record(const RecordingSettings& settings) const {
-    const auto recordings = record_sensors(truth_, settings, common_.seed);
-    const auto points = measured();
+    const SpecimenSettings& specimen = true_.scene.specimen;
+    const auto recordings =
+        with_poses(record_sensors(truth_, settings, common_.seed), specimen, true_.scene.poses);
+    const MeasuredCurves curves = measured();
     if (t_.record_format == "csv")
-        return write_recorded_test(t_.record, test_.confining_pressure, recordings,
-                                   true_.scene.specimen, true_.scene.poses, points);
+        return write_recorded_test(t_.record, test_.confining_pressure, recordings, curves);
     std::vector<double> time;
-    for (const TriaxialPoint& p : points)
-        time.push_back(settings.rest + p.axial_strain / 1e-4 * settings.stage_time);
-    write_recorded_test_hdf5(t_.record, test_.confining_pressure, recordings, true_.scene.specimen,
-                             true_.scene.poses, points, time);
+    for (const double strain : curves[quantity::axial_strain])
+        time.push_back(settings.rest + strain / 1e-4 * settings.stage_time);
+    write_recorded_test_hdf5(t_.record, test_.confining_pressure, recordings, curves, time,
+                             pi * specimen.radius * specimen.radius);
 }
 
 void TwinExperiment::run() {

@@ -33,7 +33,7 @@ private:
     ModelVariant variant_of(const std::string& name) const;
     Assimilated assimilate();
     ModelRun compute_analysis_of(const ModelVariant& variant) const;
-    std::vector<TriaxialPoint> measured() const;
+    MeasuredCurves measured() const;
     void record(const RecordingSettings& settings) const;
     void make_specimens();
     const PreparedSpecimen& specimen_of(const std::string& variant) const {

@@ -83,7 +83,7 @@ void TwinExperiment::add_variant(Report& summary, std::size_t k, const TwinError
 }
 
 Report TwinExperiment::properties(const ModelRun& run) const {
-    const TriaxialProperties p = properties_of(run.points, test_.confining_pressure);
+    const TriaxialProperties p = properties_of(run.curves, test_.confining_pressure);
     Report own;
     own.add("secant_modulus_E50_Pa", p.secant_modulus);
     own.add("poisson_ratio_E50", p.poisson_ratio);
@@ -97,7 +97,8 @@ void TwinExperiment::add_starts(Report& summary) const {
     if (!model_) return;
     const auto put = [&](const std::string& whose, const ModelRun& run) {
         summary.add(whose + "_core_porosity", run.core_porosity);
-        summary.add(whose + "_coordination_number", run.points.front().coordination);
+        summary.add(whose + "_coordination_number",
+                    run.curves[quantity::coordination_number].front());
     };
     put("truth", truth_);
     summary.add("learning_specimen_scatter", learning_.specimen_scatter);
@@ -141,24 +142,24 @@ void TwinExperiment::add_learned(Report& summary, const Assimilated& assimilated
 void TwinExperiment::draw() const {
     const auto free = std::ranges::find(names_, "free");
     const auto first = static_cast<std::size_t>(free - names_.begin());
-    const auto panel = [&](const char* title, double scale, double TriaxialPoint::*value) {
+    const auto panel = [&](const char* title, const Quantity& quantity) {
         // the truth takes the place of the measurements; other variants have colours of their own
         Plot plot{.title = title,
                   .x_label = "axial strain (%)",
                   .y_label = title,
                   .curves = compared_curves(
-                      {&truth_.points, free != names_.end() ? &runs_[first].points : nullptr},
-                      curves_of(scale, value))};
+                      {&truth_.curves, free != names_.end() ? &runs_[first].curves : nullptr},
+                      curves_of(quantity))};
         plot.curves.front().label = "truth";
         for (std::size_t k = 0; k < variants_.size(); ++k)
             if (variants_[k].name != "free")
-                plot.curves.push_back(curve_of(variants_[k].name, runs_[k].points, scale, value));
+                plot.curves.push_back(curve_of(variants_[k].name, runs_[k].curves, quantity));
         if (assimilated_) mark_end_of_learning(plot, learning_.final_strain);
         return plot;
     };
     draw_plots(common_.out / "twin.png",
-               {panel("q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress),
-                panel("volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain)});
+               {panel("q (kPa)", quantity::deviatoric_stress),
+                panel("volumetric strain (%)", quantity::volumetric_strain)});
 }
 
 void TwinExperiment::report() const {

@@ -26,7 +26,8 @@ void count_fusion(const World& world, ModelRun& run) {
 
 void record_stage(TriaxialModel& model, ModelRun& run) {
     const auto now = model.poses();
-    run.points.push_back(model.test().state().points.back());
+    const TestCurves& curves = model.test().state().curves;
+    run.curves.add_row_of(curves, curves.size() - 1);
     run.displacement.emplace_back();
     run.rotation.emplace_back();
     for (std::size_t k = 0; k < now.size(); ++k) {
@@ -49,7 +50,7 @@ VariantRun::VariantRun(const TriaxialScene& scene, const TriaxialSettings& setti
 
 void VariantRun::advance_to(std::size_t points) {
     CheckpointTimer never;
-    LoopSteps steps{.advance = [&] { return !done_ && run_.points.size() < points && advance(); },
+    LoopSteps steps{.advance = [&] { return !done_ && run_.curves.size() < points && advance(); },
                     .progress = [&] { return progress(); },
                     .resume_hint = "--resume and the folder of the results"};
     if (checkpoint_ != nullptr) steps.save = [&] { save_checkpoint(); };
@@ -58,9 +59,9 @@ void VariantRun::advance_to(std::size_t points) {
 
 PhaseProgress VariantRun::progress() const {
     PhaseProgress now = model_->test().progress();
-    const bool catches_up = model_->stages() < run_.points.size();
+    const bool catches_up = model_->stages() < run_.curves.size();
     now.phase = variant_.name + (catches_up ? ", catching up: " : ": ") + now.phase;
-    now.work = static_cast<double>(run_.points.size()); // not less while it catches up
+    now.work = static_cast<double>(run_.curves.size()); // not less while it catches up
     return now;
 }
 
@@ -92,13 +93,13 @@ bool VariantRun::advance() {
         end();
         return false;
     }
-    if (model_->stages() > run_.points.size()) stage();
+    if (model_->stages() > run_.curves.size()) stage();
     return true;
 }
 
 void VariantRun::stage() {
     const World& world = model_->world();
-    if (run_.points.empty()) {
+    if (run_.curves.empty()) {
         run_.rocks = model_->rocks();
         run_.sensors = model_->sensors();
         run_.start = model_->start();
@@ -106,9 +107,9 @@ void VariantRun::stage() {
         run_.core_porosity = model_->test().state().core_porosity;
     }
     record_stage(*model_, run_);
-    watch_.stage(world, run_.points.back());
+    watch_.stage(world, run_.curves[quantity::axial_strain].back());
     if (applied_ == variant_.learned.size() ||
-        run_.points.back().axial_strain <
+        run_.curves[quantity::axial_strain].back() <
             variant_.learned[applied_].strain - 0.5 * settings_.stage_strain)
         return;
     const RockParameters parameters = variant_.learned[applied_++].rocks;

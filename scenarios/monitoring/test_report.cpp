@@ -22,25 +22,29 @@ std::map<std::int64_t, unsigned> sensors_in(const ModelRun& model,
 /// The numbers of the last stage.
 std::vector<ValueOf<NumbersOf::test>> numbers_of_stage(const LiveModel& model,
                                                        const RecordedTest& so_far) {
-    const TriaxialPoint& now = model.state().points.back();
+    const auto now = [&](const Quantity& q) { return model.state().curves[q].back(); };
     const FusedStress& fused = model.fused();
-    const double half_stage = 0.5 * (model.next_strain() - now.axial_strain);
-    const auto measured = std::ranges::find_if(so_far.measured, [&](const TriaxialPoint& p) {
-        return std::abs(p.axial_strain - now.axial_strain) <= half_stage;
-    });
-    const bool is_measured = measured != so_far.measured.end();
+    const double strain = now(quantity::axial_strain),
+                 half_stage = 0.5 * (model.next_strain() - strain);
+    const auto& strains = so_far.curves[quantity::axial_strain];
+    const auto row = std::ranges::find_if(
+        strains, [&](double other) { return std::abs(other - strain) <= half_stage; });
+    const auto measured = [&](const Quantity& q) {
+        return row == strains.end()
+                   ? FusedStress::unknown
+                   : so_far.curves[q][static_cast<std::size_t>(row - strains.begin())];
+    };
     const Gaussian estimate = model.estimate();
     const RockParameters mean = mean_of(estimate);
     const Matrix covariance = estimate.covariance();
-    return {{"axial_strain", now.axial_strain},
-            {"measured_q_Pa", is_measured ? measured->deviatoric_stress : FusedStress::unknown},
-            {"model_q_Pa", now.deviatoric_stress},
+    return {{"axial_strain", strain},
+            {"measured_q_Pa", measured(quantity::deviatoric_stress)},
+            {"model_q_Pa", now(quantity::deviatoric_stress)},
             {"fused_q_Pa", fused.fused},
             {"fused_q_half_width_Pa", fused.half_width},
             {"specimen_factor", fused.fused / fused.model},
-            {"measured_volumetric_strain",
-             is_measured ? measured->volumetric_strain : FusedStress::unknown},
-            {"model_volumetric_strain", now.volumetric_strain},
+            {"measured_volumetric_strain", measured(quantity::volumetric_strain)},
+            {"model_volumetric_strain", now(quantity::volumetric_strain)},
             {"learned_friction", mean.friction},
             {"learned_friction_deviation", mean.friction * std::sqrt(covariance(0, 0))},
             {"learned_stiffness_ratio", mean.stiffness},
@@ -102,7 +106,7 @@ BodyFrame frame_of_model(const BodyFrame& first, const ModelRun& model) {
     for (std::size_t k = 0; k < model.rocks.size(); ++k)
         index_of[static_cast<std::int64_t>(model.rocks[k])] = k;
     BodyFrame frame = first;
-    frame.time = model.points.back().axial_strain;
+    frame.time = model.curves[quantity::axial_strain].back();
     for (std::size_t b = 0; b < frame.ids.size(); ++b) {
         const auto found = index_of.find(frame.ids[b]);
         if (found == index_of.end()) continue;

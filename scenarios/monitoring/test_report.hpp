@@ -2,7 +2,7 @@
 
 #include "scenarios/assimilation/live_model.hpp"
 #include "scenarios/monitoring/publisher.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
 
 #include <vector>
 

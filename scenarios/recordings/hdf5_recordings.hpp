@@ -2,7 +2,6 @@
 
 #include "engine/io/column_map.hpp"
 #include "engine/io/hdf5_content.hpp"
-#include "scenarios/recordings/bench_hdf5.hpp"
 #include "scenarios/recordings/recording.hpp"
 
 #include <set>
@@ -11,13 +10,12 @@
 
 namespace bris {
 
-// What read_sensor_infos_hdf5, read_recordings_hdf5 and read_bench find in a file, of one whose
-// groups /sensors and /bench have been read: each reading of a file starts a process.
+// What read_sensor_infos_hdf5 and read_recordings_hdf5 find in a file, of one whose group /sensors
+// has been read: each reading of a file starts a process.
 
 std::vector<SensorInfo> sensor_infos_in(const Hdf5Content& file);
 std::vector<Recording> recordings_in(const Hdf5Content& file,
                                      const std::vector<SensorInfo>& sensors);
-Bench bench_in(const Hdf5Content& file, double pressure);
 
 /// Throws InputError if a dataset states, by an attribute units or unit, another unit than `unit`,
 /// the one of `units` that it is read in.

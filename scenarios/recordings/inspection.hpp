@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -103,6 +104,12 @@ void compare_turns(const std::vector<Recording>& recordings, const QualityContro
 /// upper platen, the more the higher they are.
 void compare_displacements(const std::vector<Recording>& recordings,
                            std::vector<Finding>& findings);
+
+/// The finite numbers of a series.
+inline std::vector<double> finite_of(std::vector<double> values) {
+    std::erase_if(values, [](double x) { return !std::isfinite(x); });
+    return values;
+}
 
 bool is_stuck(const Inspection& at, const char* what, const auto& values, double noise) {
     if (noise <= 0) return false; // declared to have no noise

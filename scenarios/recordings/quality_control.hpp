@@ -1,11 +1,8 @@
 #pragma once
 
 #include "scenarios/recordings/recording.hpp"
-#include "scenarios/recordings/triaxial_point.hpp"
 
 namespace bris {
-
-struct MachineClock;
 
 /// Limits of the quality control of recordings.
 struct QualityControlLimits {
@@ -72,14 +69,6 @@ struct Finding {
 /// in yaw alone is not.
 std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, const Vec3& gravity,
                                       const QualityControlLimits& limits = {});
-
-/// Compares the strain that sensors record with that of the test machine, which has been checked.
-/// At the same time (where the machine has a clock) both must agree within a factor of 2; without a
-/// clock a recording must not reach 50 times the strain of the machine, whose records may end
-/// earlier. Adds a refusal for each sensor that does not agree.
-void compare_strain(const std::vector<Recording>& recordings,
-                    const std::vector<TriaxialPoint>& measured, const MachineClock& clock,
-                    std::vector<Finding>& findings);
 
 /// A note that these fields of a file are not used; `sensor`: whose file it is.
 Finding note_on_unused(unsigned sensor, const std::vector<std::string>& fields);

@@ -97,7 +97,7 @@ void TriaxialTest::start_shear() {
     state.phase = TriaxialPhase::shear;
     state.stage = 0;
     state.phase_steps = 0;
-    state.points.push_back(compute_point());
+    add_stage();
     rescale();
 }
 

@@ -24,8 +24,8 @@ namespace {
 
 // strain rate * d * sqrt(density / mean stress), with d the mean size of the rocks and the density
 // of their inertial (scaled) masses
-double inertial_number(const World& world, const std::vector<Row>& rows, double rate,
-                       double stress) {
+double inertial_number_at(const World& world, const std::vector<Row>& rows, double rate,
+                          double stress) {
     const Table& bodies = world.table<Bodies>();
     const auto mass = bodies.column<Mass>();
     const auto inertial = bodies.column<InertialMass>();
@@ -42,7 +42,8 @@ double inertial_number(const World& world, const std::vector<Row>& rows, double 
 
 } // namespace
 
-TriaxialPoint TriaxialTest::compute_point() const {
+/// Adds the present state to the curves.
+void TriaxialTest::add_stage() {
     const World& world = simulation_.world();
     const TriaxialState& s = state();
     const auto& membrane = world.resource<Membrane>();
@@ -50,57 +51,58 @@ TriaxialPoint TriaxialTest::compute_point() const {
     const Table& bodies = world.table<Bodies>();
     const auto rows = rows_by_id(bodies.column<BodyId>());
     const double top = bodies.column<Position>()[rows[specimen.top]].z();
-
-    TriaxialPoint p;
     const double volume = specimen_volume(world);
+
+    using namespace quantity;
+    const auto p = simulation_.world().resource<TriaxialState>().curves.add_row();
+    p[worst_ring_error] = p[mean_ring_error] = 0;
     for (const double pressure : membrane.pressure) {
         const double error = std::abs(pressure / membrane.target_pressure - 1);
-        p.worst_ring_error = std::max(p.worst_ring_error, error);
-        p.mean_ring_error += error / static_cast<double>(membrane.pressure.size());
+        p[worst_ring_error] = std::max(p[worst_ring_error], error);
+        p[mean_ring_error] += error / static_cast<double>(membrane.pressure.size());
     }
     const Table& elements = world.table<Elements>();
     double area = 0, push = 0;
-    p.ring_radius.assign(membrane.rings, 0);
+    for (unsigned r = 0; r < membrane.rings; ++r) p.part(ring_radius, r) = 0;
     for (std::size_t e = 0; e < elements.size(); ++e) {
-        p.ring_radius[e / membrane.sectors] +=
+        p.part(ring_radius, e / membrane.sectors) +=
             elements.column<ElementRadius>()[e] / membrane.sectors;
         push += elements.column<ElementPush>()[e];
         area += elements.column<ElementArea>()[e];
     }
     const auto force = bodies.column<Force>();
-    p.axial_stress =
+    p[axial_stress] =
         0.5 * (force[rows[specimen.top]].z() - force[rows[specimen.bottom]].z()) * top / volume;
-    p.radial_stress = push / area;
-    p.deviatoric_stress = p.axial_stress - p.radial_stress;
-    p.axial_strain = s.height > 0 ? 1 - top / s.height : 0;
-    p.volumetric_strain = s.volume > 0 ? 1 - volume / s.volume : 0;
+    p[radial_stress] = push / area;
+    p[deviatoric_stress] = p[axial_stress] - p[radial_stress];
+    p[axial_strain] = s.height > 0 ? 1 - top / s.height : 0;
+    p[volumetric_strain] = s.volume > 0 ? 1 - volume / s.volume : 0;
 
     const Stresses stresses = compute_stresses(world);
-    p.contact_axial = stresses.contact.axial / volume;
-    p.contact_radial = stresses.contact.radial / volume;
-    p.boundary_axial = stresses.boundary.axial / volume;
-    p.boundary_radial = stresses.boundary.radial / volume;
+    p[contact_stress_axial] = stresses.contact.axial / volume;
+    p[contact_stress_radial] = stresses.contact.radial / volume;
+    p[boundary_stress_axial] = stresses.boundary.axial / volume;
+    p[boundary_stress_radial] = stresses.boundary.radial / volume;
 
     const Quantities q = compute_quantities(world);
-    p.unbalanced = q.unbalanced_ratio;
-    p.coordination = q.coordination;
-    p.stored = q.elastic_energy;
+    p[unbalanced_ratio] = q.unbalanced_ratio;
+    p[coordination_number] = q.coordination;
+    p[stored_energy] = q.elastic_energy;
     if (settings_.gravity)
         for (const Row r : rows)
-            p.stored -= bodies.column<Mass>()[r] *
-                        world.resource<Gravity>().value.dot(bodies.column<Position>()[r]);
-    p.kinetic = q.kinetic_energy;
-    p.boundary_work = sum_by_id(rows, bodies.column<BoundaryWork>());
-    p.friction_work = sum_by_id(rows, bodies.column<FrictionWork>());
-    p.damping_work = sum_by_id(rows, bodies.column<DampingWork>());
-    p.scaling_work = sum_by_id(rows, bodies.column<ScalingWork>());
-    p.steps = static_cast<double>(s.phase_steps);
-    if (s.phase == TriaxialPhase::shear && s.phase_steps > 0)
-        p.inertial_number = inertial_number(world, rows,
-                                            settings_.stage_strain /
-                                                (settings_.move_steps * world.resource<Clock>().dt),
-                                            (p.axial_stress + 2 * p.radial_stress) / 3);
-    return p;
+            p[stored_energy] -= bodies.column<Mass>()[r] *
+                                world.resource<Gravity>().value.dot(bodies.column<Position>()[r]);
+    p[kinetic_energy] = q.kinetic_energy;
+    p[boundary_work] = sum_by_id(rows, bodies.column<BoundaryWork>());
+    p[friction_work] = sum_by_id(rows, bodies.column<FrictionWork>());
+    p[damping_work] = sum_by_id(rows, bodies.column<DampingWork>());
+    p[scaling_work] = sum_by_id(rows, bodies.column<ScalingWork>());
+    p[steps] = static_cast<double>(s.phase_steps);
+    const bool shears = s.phase == TriaxialPhase::shear && s.phase_steps > 0;
+    const double rate =
+                     settings_.stage_strain / (settings_.move_steps * world.resource<Clock>().dt),
+                 mean_stress = (p[axial_stress] + 2 * p[radial_stress]) / 3;
+    p[quantity::inertial_number] = shears ? inertial_number_at(world, rows, rate, mean_stress) : 0;
 }
 
 // Moves the platen by one stage, from rest to rest: a sudden start would send a wave through the
@@ -148,7 +150,7 @@ void TriaxialTest::shear() {
     if (is_in_equilibrium()) {
         if (analyse()) return;
         ++state.stage;
-        state.points.push_back(compute_point());
+        add_stage();
         state.phase_steps = 0;
         rescale();
         return;

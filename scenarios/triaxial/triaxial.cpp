@@ -41,7 +41,7 @@ void TriaxialState::save(Archive& archive) const {
         accepted ? std::uint64_t{1} : 0};
     archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
     put_fields(archive, "triaxial/numbers", fields(*this));
-    save_points(archive, "triaxial", points);
+    save_curves(archive, "triaxial", curves);
 }
 
 void TriaxialState::load(const Archive& archive) {
@@ -54,7 +54,7 @@ void TriaxialState::load(const Archive& archive) {
     trials = counts.at(5);
     accepted = counts.at(6) != 0;
     get_fields(archive, "triaxial/numbers", fields(*this));
-    points = load_points(archive, "triaxial");
+    curves = load_curves(archive, "triaxial");
 }
 
 TriaxialTest::TriaxialTest(Simulation& simulation, TriaxialSettings settings)
@@ -176,8 +176,9 @@ PhaseProgress TriaxialTest::progress() const {
                 fmt::format("axial strain {:.2f} of {:g} %, q {:.0f} kPa",
                             100 * static_cast<double>(s.stage) * settings_.stage_strain,
                             100 * settings_.final_axial_strain,
-                            s.points.empty() ? 0.0 : s.points.back().deviatoric_stress / 1e3),
-                static_cast<double>(s.points.size())};
+                            s.curves.empty() ? 0.0
+                                             : s.curves[quantity::deviatoric_stress].back() / 1e3),
+                static_cast<double>(s.curves.size())};
     case TriaxialPhase::done:
         break;
     }

@@ -2,7 +2,7 @@
 
 #include "engine/progress.hpp"
 #include "engine/simulation.hpp"
-#include "scenarios/recordings/triaxial_point.hpp"
+#include "scenarios/records/test_curves.hpp"
 #include "scenarios/specimens/specimen.hpp"
 
 #include <string>
@@ -81,8 +81,8 @@ struct TriaxialState {
     bool accepted = false;    ///< by the last of them
     /// rad, largest rotation of a sensor rock from its given attitude, at the start of shearing.
     double rotation = 0;
-    /// One point at the start of shearing, and one at the end of each stage.
-    std::vector<TriaxialPoint> points;
+    /// One row at the start of shearing, and one at the end of each stage.
+    TestCurves curves;
 
     static auto fields(auto& self) {
         return std::tie(self.height, self.volume, self.drift, self.rotation, self.core_porosity,
@@ -145,6 +145,7 @@ private:
     void shear();
     void move_platen();
     bool analyse();
+    void add_stage();
     void run(std::uint64_t steps);
     void keep_stable();
     bool is_in_equilibrium();
@@ -152,7 +153,6 @@ private:
     std::string preparation_status() const;
     std::string consolidation_status() const;
     std::string equilibrium_status() const;
-    TriaxialPoint compute_point() const;
 
     Simulation& simulation_;
     TriaxialSettings settings_;

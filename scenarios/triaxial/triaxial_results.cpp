@@ -17,81 +17,89 @@ double friction_angle(double q, double confining_pressure) {
     return std::asin(q / (q + 2 * confining_pressure)) * 180 / pi;
 }
 
-double bulge_index(const TriaxialPoint& first, const TriaxialPoint& last) {
-    const std::size_t rings = last.ring_radius.size();
+double bulge_index(const TestCurves& curves) {
+    const std::size_t rings = curves.rings();
     std::vector<double> widening;
     double mean = 0;
     for (std::size_t r = 0; r < rings; ++r) {
-        widening.push_back(last.ring_radius[r] - first.ring_radius[r]);
+        widening.push_back(curves.ring(r).back() - curves.ring(r).front());
         mean += widening.back() / static_cast<double>(rings);
     }
     const double middle = 0.5 * (widening[rings / 2 - 1] + widening[rings / 2]);
     return mean != 0 ? (middle - 0.5 * (widening.front() + widening.back())) / mean : 0;
 }
 
-double relative_energy_error(const TriaxialPoint& a, const TriaxialPoint& b) {
-    const double work = b.boundary_work - a.boundary_work + b.scaling_work - a.scaling_work;
-    const double kept = b.stored + b.kinetic - a.stored - a.kinetic;
-    const double lost = b.friction_work - a.friction_work + b.damping_work - a.damping_work;
+double relative_energy_error(const TestCurves& curves) {
+    const auto first = [&](const Quantity& q) { return curves[q].front(); };
+    const auto last = [&](const Quantity& q) { return curves[q].back(); };
+    using namespace quantity;
+    const double work =
+        last(boundary_work) - first(boundary_work) + last(scaling_work) - first(scaling_work);
+    const double kept =
+        last(stored_energy) + last(kinetic_energy) - first(stored_energy) - first(kinetic_energy);
+    const double lost =
+        last(friction_work) - first(friction_work) + last(damping_work) - first(damping_work);
     return work != 0 ? std::abs(work - kept - lost) / std::abs(work) : 0;
 }
 
-double largest_dilation_angle(const std::vector<TriaxialPoint>& points) {
+double largest_dilation_angle(const TestCurves& curves) {
+    const auto &strain = curves[quantity::axial_strain],
+               &volumetric = curves[quantity::volumetric_strain];
     double largest = 0;
-    for (std::size_t a = 0, b = 0; b < points.size(); ++b) {
-        while (points[b].axial_strain - points[a].axial_strain > 0.01) ++a;
-        if (points[b].axial_strain - points[a].axial_strain < 0.009) continue;
-        const double axial = points[b].axial_strain - points[a].axial_strain;
-        const double volume = points[b].volumetric_strain - points[a].volumetric_strain;
+    for (std::size_t a = 0, b = 0; b < curves.size(); ++b) {
+        while (strain[b] - strain[a] > 0.01) ++a;
+        if (strain[b] - strain[a] < 0.009) continue;
+        const double axial = strain[b] - strain[a], volume = volumetric[b] - volumetric[a];
         largest = std::max(largest, -volume / (2 * axial - volume));
     }
     return std::asin(std::min(1.0, largest)) * 180 / pi;
 }
 
-void find_moduli(const std::vector<TriaxialPoint>& points, TriaxialProperties& p) {
-    const double start = points.front().deviatoric_stress; // consolidation leaves a small q
-    for (const TriaxialPoint& x : points) {
-        if (p.initial_modulus == 0 && x.axial_strain >= 0.000999)
-            p.initial_modulus = (x.deviatoric_stress - start) / x.axial_strain;
-        if (p.secant_modulus == 0 && x.axial_strain > 0 && x.deviatoric_stress >= 0.5 * p.peak_q) {
-            p.secant_modulus = (x.deviatoric_stress - start) / x.axial_strain;
-            p.poisson_ratio = 0.5 * (1 - x.volumetric_strain / x.axial_strain);
+void find_moduli(const TestCurves& curves, TriaxialProperties& p) {
+    const auto &strain = curves[quantity::axial_strain], &q = curves[quantity::deviatoric_stress];
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+        const double rise = q[k] - q.front(); // consolidation leaves a small q
+        if (p.initial_modulus == 0 && strain[k] >= 0.000999) p.initial_modulus = rise / strain[k];
+        if (p.secant_modulus == 0 && strain[k] > 0 && q[k] >= 0.5 * p.peak_q) {
+            p.secant_modulus = rise / strain[k];
+            p.poisson_ratio = 0.5 * (1 - curves[quantity::volumetric_strain][k] / strain[k]);
         }
     }
 }
 
 } // namespace
 
-TriaxialProperties properties_of(const std::vector<TriaxialPoint>& points,
-                                 double confining_pressure) {
+TriaxialProperties properties_of(const TestCurves& curves, double confining_pressure) {
     TriaxialProperties p;
-    const double final_strain = points.back().axial_strain;
+    const auto &strain = curves[quantity::axial_strain], &q = curves[quantity::deviatoric_stress];
     double count = 0;
-    for (std::size_t k = 1; k < points.size(); ++k) {
-        const TriaxialPoint& x = points[k];
-        if (x.deviatoric_stress > p.peak_q) {
-            p.peak_q = x.deviatoric_stress;
-            p.strain_at_peak = x.axial_strain;
+    for (std::size_t k = 1; k < curves.size(); ++k) {
+        const auto at = [&](const Quantity& x) { return curves[x][k]; };
+        using namespace quantity;
+        if (q[k] > p.peak_q) {
+            p.peak_q = q[k];
+            p.strain_at_peak = strain[k];
         }
-        if (x.axial_strain >= 0.75 * final_strain) {
-            p.mean_q += x.deviatoric_stress;
+        if (strain[k] >= 0.75 * strain.back()) {
+            p.mean_q += q[k];
             ++count;
         }
-        p.worst_ring_error = std::max(p.worst_ring_error, x.worst_ring_error);
-        p.mean_ring_error += x.mean_ring_error / static_cast<double>(points.size() - 1);
+        p.worst_ring_error = std::max(p.worst_ring_error, at(worst_ring_error));
+        p.mean_ring_error += at(mean_ring_error) / static_cast<double>(curves.size() - 1);
         p.worst_stress_mismatch =
-            std::max({p.worst_stress_mismatch, std::abs(x.contact_axial / x.boundary_axial - 1),
-                      std::abs(x.contact_radial / x.boundary_radial - 1)});
-        p.largest_inertial_number = std::max(p.largest_inertial_number, x.inertial_number);
+            std::max({p.worst_stress_mismatch,
+                      std::abs(at(contact_stress_axial) / at(boundary_stress_axial) - 1),
+                      std::abs(at(contact_stress_radial) / at(boundary_stress_radial) - 1)});
+        p.largest_inertial_number = std::max(p.largest_inertial_number, at(inertial_number));
     }
     p.mean_q /= std::max(1.0, count);
-    find_moduli(points, p);
+    find_moduli(curves, p);
     p.peak_friction_angle = friction_angle(p.peak_q, confining_pressure);
     p.mean_friction_angle = friction_angle(p.mean_q, confining_pressure);
-    p.final_volumetric_strain = points.back().volumetric_strain;
-    p.largest_dilation_angle = largest_dilation_angle(points);
-    p.bulge_index = bulge_index(points.front(), points.back());
-    p.relative_energy_error = relative_energy_error(points.front(), points.back());
+    p.final_volumetric_strain = curves[quantity::volumetric_strain].back();
+    p.largest_dilation_angle = largest_dilation_angle(curves);
+    p.bulge_index = bulge_index(curves);
+    p.relative_energy_error = relative_energy_error(curves);
     return p;
 }
 
@@ -114,25 +122,11 @@ std::vector<NamedValue> describe(const TriaxialProperties& p) {
             {"largest_inertial_number", p.largest_inertial_number}};
 }
 
-void write_curve(const std::filesystem::path& csv, const std::vector<TriaxialPoint>& points) {
-    std::vector<std::string> names;
-    std::vector<std::vector<double>> rows;
-    for (TriaxialPoint p : points) {
-        std::vector<double> row;
-        p.visit([&](const char* name, const char* unit, double value) {
-            if (rows.empty()) names.push_back(key_with_unit(name, unit));
-            row.push_back(value);
-        });
-        for (std::size_t r = 0; r < p.ring_radius.size(); ++r) {
-            if (rows.empty()) names.push_back("ring_" + std::to_string(r + 1) + "_radius_m");
-            row.push_back(p.ring_radius[r]);
-        }
-        rows.push_back(std::move(row));
-    }
-    write_csv(csv, names, rows,
-              {"one line at the start of shearing and one at the end of each stage; compression is "
-               "positive"},
-              9);
+void write_stages(const std::filesystem::path& csv, const TestCurves& curves) {
+    write_curves(csv, curves, {quantity::of_stage.begin(), quantity::of_stage.end()},
+                 "one line at the start of shearing and one at the end of each stage; compression "
+                 "is positive",
+                 9);
 }
 
 void write_sensor_drift(const std::filesystem::path& csv, const World& world) {
@@ -151,18 +145,6 @@ void write_sensor_drift(const std::filesystem::path& csv, const World& world) {
         9);
 }
 
-std::string label_of(double pressure) { return fmt::format("{:.4g} kPa", pressure / 1e3); }
-
-Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale,
-               double TriaxialPoint::*value, Curve::Style style) {
-    Curve c{.label = label, .style = style};
-    for (const TriaxialPoint& p : points) {
-        c.x.push_back(100 * p.axial_strain);
-        c.y.push_back(scale * p.*value);
-    }
-    return c;
-}
-
 Curve ring_curve(const std::string& label, const std::vector<double>& radial_strains,
                  Curve::Style style) {
     Curve c{.label = label, .style = style};
@@ -173,15 +155,14 @@ Curve ring_curve(const std::string& label, const std::vector<double>& radial_str
     return c;
 }
 
-Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points,
-                 Curve::Style style) {
+Curve profile_of(const std::string& label, const TestCurves& curves, Curve::Style style) {
     std::vector<double> strains;
-    for (std::size_t r = 0; r < points.back().ring_radius.size(); ++r)
-        strains.push_back(points.back().ring_radius[r] / points.front().ring_radius[r] - 1);
+    for (std::size_t r = 0; r < curves.rings(); ++r)
+        strains.push_back(curves.ring(r).back() / curves.ring(r).front() - 1);
     return ring_curve(label, strains, style);
 }
 
-bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>& tests) {
+bool draw_curves(const std::filesystem::path& png, const std::vector<LabelledCurves>& tests) {
     Plot q{"Deviatoric stress", "axial strain (%)", "q (kPa)", {}};
     Plot volume{"Volumetric strain (compression positive)",
                 "axial strain (%)",
@@ -195,23 +176,27 @@ bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>&
                 "axial strain (%)",
                 "J",
                 {}};
-    for (const TestCurve& test : tests) {
-        Curve work{test.label, {}, {}}, lost{"", {}, {}, Curve::Style::points};
-        const TriaxialPoint& first = test.points->front();
-        for (const TriaxialPoint& p : *test.points) {
-            work.x.push_back(100 * p.axial_strain);
-            work.y.push_back(p.boundary_work + p.scaling_work - first.boundary_work -
-                             first.scaling_work);
-            if ((&p - &first) % 20 != 0) continue; // as dots on the curve of the work
-            lost.x.push_back(100 * p.axial_strain);
-            lost.y.push_back(p.stored + p.friction_work + p.damping_work - first.stored -
-                             first.friction_work - first.damping_work);
+    for (const auto& [label, curves] : tests) {
+        Curve work{label, {}, {}}, lost{"", {}, {}, Curve::Style::points};
+        for (std::size_t k = 0; k < curves->size(); ++k) {
+            const auto since_start = [&](std::initializer_list<const Quantity*> quantities) {
+                double sum = 0, before = 0;
+                for (const Quantity* x : quantities) {
+                    sum += (*curves)[*x][k];
+                    before += (*curves)[*x].front();
+                }
+                return sum - before;
+            };
+            using namespace quantity;
+            work.x.push_back(100 * (*curves)[axial_strain][k]);
+            work.y.push_back(since_start({&boundary_work, &scaling_work}));
+            if (k % 20 != 0) continue; // as dots on the curve of the work
+            lost.x.push_back(work.x.back());
+            lost.y.push_back(since_start({&stored_energy, &friction_work, &damping_work}));
         }
-        q.curves.push_back(
-            curve_of(test.label, *test.points, 1e-3, &TriaxialPoint::deviatoric_stress));
-        volume.curves.push_back(
-            curve_of(test.label, *test.points, 100, &TriaxialPoint::volumetric_strain));
-        rings.curves.push_back(profile_of(test.label, *test.points));
+        q.curves.push_back(curve_of(label, *curves, quantity::deviatoric_stress));
+        volume.curves.push_back(curve_of(label, *curves, quantity::volumetric_strain));
+        rings.curves.push_back(profile_of(label, *curves));
         energy.curves.push_back(work);
         energy.curves.push_back(lost);
     }

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/io/plot.hpp"
 #include "engine/named_value.hpp"
+#include "scenarios/records/draw_curves.hpp"
 #include "scenarios/triaxial/triaxial.hpp"
 
 #include <filesystem>
@@ -35,41 +35,34 @@ struct TriaxialProperties {
     double largest_inertial_number = 0;
 };
 
-/// Properties of a test from its points, at least two. The first point, the end of consolidation,
+/// Properties of a test from its stages, at least two. The first row, the end of consolidation,
 /// counts only as the origin.
-TriaxialProperties properties_of(const std::vector<TriaxialPoint>& points,
-                                 double confining_pressure);
+TriaxialProperties properties_of(const TestCurves& curves, double confining_pressure);
 
 /// The properties as flat keys with unit suffixes, for summary.json.
 std::vector<NamedValue> describe(const TriaxialProperties& properties);
 
-/// Writes a CSV file with one line for each point, rings included. Throws OutputError.
-void write_curve(const std::filesystem::path& csv, const std::vector<TriaxialPoint>& points);
+/// Writes a CSV file with one line for each stage, rings included. Throws OutputError.
+void write_stages(const std::filesystem::path& csv, const TestCurves& curves);
 
 /// Writes a CSV file with the given and the present pose of each sensor rock. Throws OutputError.
 void write_sensor_drift(const std::filesystem::path& csv, const World& world);
 
-/// A confining pressure (Pa) in the label of a curve, as "55 kPa".
-std::string label_of(double pressure);
-
-/// A labelled curve of one test.
-struct TestCurve {
+/// The curves of one test, with their label.
+struct LabelledCurves {
     std::string label;
-    const std::vector<TriaxialPoint>* points;
+    const TestCurves* curves;
 };
 
-/// One quantity of the points against axial strain (%), multiplied by `scale`.
-Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale,
-               double TriaxialPoint::*value, Curve::Style style = Curve::Style::line);
 /// Radial strains against the number of the ring, from below; drawn in per cent.
 Curve ring_curve(const std::string& label, const std::vector<double>& radial_strains,
                  Curve::Style style = Curve::Style::line);
-/// Radial strain (%) of the rings at the last point, numbered from below.
-Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points,
+/// Radial strain (%) of the rings at the last stage, numbered from below.
+Curve profile_of(const std::string& label, const TestCurves& curves,
                  Curve::Style style = Curve::Style::line);
 
 /// Draws q, volumetric strain, ring profile and energies of some tests as one PNG file. Returns
 /// false if gnuplot fails.
-bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>& tests);
+bool draw_curves(const std::filesystem::path& png, const std::vector<LabelledCurves>& tests);
 
 } // namespace bris

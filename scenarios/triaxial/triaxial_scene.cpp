@@ -5,7 +5,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/memory.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/recorded_test.hpp"
 #include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/start.hpp"

@@ -8,10 +8,11 @@
 #include "engine/options.hpp"
 #include "engine/random.hpp"
 #include "scenarios/ballast_box/train.hpp"
-#include "scenarios/recordings/guess_columns.hpp"
 #include "scenarios/recordings/hdf5_recordings.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/recordings/recording.hpp"
+#include "scenarios/records/bench_hdf5.hpp"
+#include "scenarios/records/guess_columns.hpp"
+#include "scenarios/records/recorded_test.hpp"
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/rocks/grading.hpp"
 #include "scenarios/rocks/read_mesh.hpp"
@@ -217,14 +218,16 @@ Texts hdf5_recordings(const fs::path&, const fs::path& folder) {
         }
     }
     write_recordings_hdf5(folder / "valid.h5", recordings);
-    std::vector<TriaxialPoint> points(8);
+    TestCurves curves;
     std::vector<double> time;
     for (int i = 0; i < 8; ++i) {
-        points[static_cast<std::size_t>(i)].axial_strain = 1e-3 * (i + 1);
-        points[static_cast<std::size_t>(i)].deviatoric_stress = 1e4 * i;
+        const auto row = curves.add_row();
+        row[quantity::axial_strain] = 1e-3 * (i + 1);
+        row[quantity::deviatoric_stress] = 1e4 * i;
+        row[quantity::volumetric_strain] = 0;
         time.push_back(i);
     }
-    write_bench(folder / "valid.h5", points, time, 0.07, 55e3);
+    write_bench(folder / "valid.h5", curves, time, 0.07, 55e3);
     return {read_whole(folder / "valid.h5")};
 }
 

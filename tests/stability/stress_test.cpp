@@ -1,4 +1,4 @@
-// The stress suite (scenarios/stability), case by case at its quick size. The suite "slow" runs it
+// The stress suite (tests/stability), case by case at its quick size. The suite "slow" runs it
 // at full size.
 
 #include "tests/stability/suite.hpp"

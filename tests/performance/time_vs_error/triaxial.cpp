@@ -188,11 +188,11 @@ void set_stiffness(World& world, const Settings& settings, const TriaxialSetting
 
 /// Mean of a curve over axial strains within 0.25 % of `strain`, since single points of a small
 /// specimen jump when force chains break.
-double around(const std::vector<TriaxialPoint>& points, double strain,
-              double TriaxialPoint::*value) {
+double around(const TestCurves& curves, double strain, const Quantity& q) {
     double sum = 0, count = 0;
-    for (const TriaxialPoint& p : points)
-        if (std::abs(p.axial_strain - strain) < 0.0025 + 1e-9) sum += p.*value, ++count;
+    for (std::size_t k = 0; k < curves.size(); ++k)
+        if (std::abs(curves[quantity::axial_strain][k] - strain) < 0.0025 + 1e-9)
+            sum += curves[q][k], ++count;
     return count > 0 ? sum / count : unknown;
 }
 
@@ -210,15 +210,15 @@ Outcome Bench::run(const Settings& settings, std::uint64_t seed) {
         while (test.advance()) {
         }
     });
-    const auto& points = test.state().points;
-    const TriaxialProperties p = properties_of(points, pressure);
+    const TestCurves& curves = test.state().curves;
+    const TriaxialProperties p = properties_of(curves, pressure);
     outcome.steps = world.resource<Clock>().step - first;
     outcome.contacts = static_cast<double>(compute_quantities(world).contacts);
-    outcome.measured = {{around(points, 0.01, &TriaxialPoint::deviatoric_stress)},
-                        {around(points, 0.02, &TriaxialPoint::deviatoric_stress)},
+    outcome.measured = {{around(curves, 0.01, quantity::deviatoric_stress)},
+                        {around(curves, 0.02, quantity::deviatoric_stress)},
                         {p.initial_modulus},
                         {p.secant_modulus},
-                        {around(points, 0.02, &TriaxialPoint::volumetric_strain)},
+                        {around(curves, 0.02, quantity::volumetric_strain)},
                         {p.relative_energy_error, 0}};
     outcome.fingerprint = hexadecimal(fingerprint(simulation.snapshot()));
     outcome.note =

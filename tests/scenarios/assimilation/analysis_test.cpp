@@ -43,9 +43,7 @@ ModelRun random_run(std::uint64_t seed, double quietness = 1) {
         for (Eigen::Index c = 0; c < 6; ++c) white(i, c) = random.normal();
     const Matrix field = root * white;
     for (int stage = 0; stage <= 10; ++stage) {
-        TriaxialPoint p;
-        p.axial_strain = 1e-3 * stage;
-        run.points.push_back(p);
+        run.curves.add_row()[quantity::axial_strain] = 1e-3 * stage;
         run.displacement.emplace_back();
         run.rotation.emplace_back();
         for (Eigen::Index r = 0; r < field.rows(); ++r) {
@@ -93,7 +91,7 @@ TEST_SUITE("assimilation/analysis") {
         std::vector<SensorTrajectory> trajectories(sensors);
         for (std::size_t s = 0; s < sensors; ++s)
             for (std::size_t k = 1; k <= 10; ++k) {
-                trajectories[s].strain.push_back(truth.points[k].axial_strain);
+                trajectories[s].strain.push_back(truth.curves[quantity::axial_strain][k]);
                 trajectories[s].displacement.push_back(truth.displacement[k][s]);
                 trajectories[s].rotation.push_back(Vec3::Constant(std::nan("")));
             }
@@ -107,7 +105,8 @@ TEST_SUITE("assimilation/analysis") {
         CHECK(error(analysis, truth, sensors, rocks) <
               0.95 * error(forecast, truth, sensors, rocks));
         CHECK(analysis.rotation.back() == forecast.rotation.back()); // not measured
-        CHECK(analysis.points.back().axial_strain == forecast.points.back().axial_strain);
+        CHECK(analysis.curves[quantity::axial_strain].back() ==
+              forecast.curves[quantity::axial_strain].back());
         // observations with a very large noise change nothing
         const ModelRun vague = compute_analysis(forecast, scatter, {hosts, trajectories, 1e3, 1e3});
         CHECK(error(vague, forecast, 0, rocks) < 1e-9);
@@ -135,7 +134,7 @@ TEST_SUITE("assimilation/analysis") {
         for (std::size_t s = 0; s < sensors; ++s)
             for (std::size_t k = 1; k <= 10; ++k) {
                 const Quat now = exponential_map(truth.rotation[k][s]) * truth.start[s].orientation;
-                trajectories[s].strain.push_back(truth.points[k].axial_strain);
+                trajectories[s].strain.push_back(truth.curves[quantity::axial_strain][k]);
                 trajectories[s].displacement.push_back(Vec3::Constant(std::nan("")));
                 trajectories[s].rotation.push_back(Vec3::Constant(std::nan("")));
                 trajectories[s].tilt.push_back(truth.start[s].orientation.conjugate() *

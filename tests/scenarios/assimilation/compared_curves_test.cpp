@@ -7,11 +7,12 @@ using namespace bris;
 TEST_SUITE("assimilation/compared_curves") {
     TEST_CASE("measured, DEM only and fused keep words, styles and order in every picture, also "
               "when one of them is missing") {
-        const std::vector<TriaxialPoint> points(3);
-        const auto q = curves_of(1e-3, &TriaxialPoint::deviatoric_stress);
-        const std::vector<TriaxialPoint>* const missing = nullptr;
-        for (const auto* dem_only : {&points, missing}) {
-            const auto curves = compared_curves({&points, dem_only, &points}, q);
+        TestCurves three;
+        for (int k = 0; k < 3; ++k) three.add_row();
+        const auto q = curves_of(quantity::deviatoric_stress);
+        const TestCurves* const missing = nullptr;
+        for (const auto* dem_only : {static_cast<const TestCurves*>(&three), missing}) {
+            const auto curves = compared_curves({&three, dem_only, &three}, q);
             REQUIRE(curves.size() == 3); // a missing curve still takes its colour
             CHECK(curves[0].label == "measured");
             CHECK(curves[0].style == Curve::Style::points);
@@ -25,11 +26,10 @@ TEST_SUITE("assimilation/compared_curves") {
     }
 
     TEST_CASE("of many measured points about a hundred are drawn, with the first and the last") {
-        std::vector<TriaxialPoint> points(802);
-        for (std::size_t k = 0; k < points.size(); ++k)
-            points[k].axial_strain = 1e-4 * static_cast<double>(k);
+        TestCurves measured;
+        for (int k = 0; k < 802; ++k) measured.add_row()[quantity::axial_strain] = 1e-4 * k;
         const auto curves =
-            compared_curves({.measured = &points}, curves_of(1, &TriaxialPoint::deviatoric_stress));
+            compared_curves({.measured = &measured}, curves_of(quantity::deviatoric_stress));
         CHECK(curves[0].x.size() >= 100);
         CHECK(curves[0].x.size() <= 103);
         CHECK(curves[0].x.front() == 0);

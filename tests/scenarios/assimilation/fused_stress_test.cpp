@@ -30,9 +30,9 @@ ModelRun run_of(const RockParameters& rocks, double packing, std::uint64_t seed,
                          specimen_correlation.memory);
             packing = stays * packing + std::sqrt(1 - stays * stays) * wander * random.normal();
         }
-        TriaxialPoint& point = run.points.emplace_back();
-        point.axial_strain = strain;
-        point.deviatoric_stress = q * std::exp(packing + slip);
+        const auto row = run.curves.add_row();
+        row[quantity::axial_strain] = strain;
+        row[quantity::deviatoric_stress] = q * std::exp(packing + slip);
     }
     return run;
 }
@@ -50,7 +50,7 @@ struct Scene {
     Gaussian prior = prior_of({0.7, 1}, learning);
     Ensemble members;
     explicit Scene(std::uint64_t seed) : members(members_of(prior, seed)) {}
-    FusedStress at(const MeasuredTest& test, std::size_t stage) const {
+    FusedStress at(const MeasuredCurves& test, std::size_t stage) const {
         return fused_stress(members, prior, test, learning, stage);
     }
 };
@@ -65,8 +65,8 @@ TEST_SUITE("assimilation/fused_stress") {
         for (std::uint64_t seed = 1; seed <= 8; ++seed) {
             const Scene scene(seed);
             Random random(seed, 5);
-            const MeasuredTest test =
-                measured_test(run_of({0.7, 1}, 0.35 * random.normal(), 7000 + seed, 0.35).points);
+            const MeasuredCurves test =
+                MeasuredCurves(run_of({0.7, 1}, 0.35 * random.normal(), 7000 + seed, 0.35).curves);
             for (std::size_t stage = 5; stage <= stages; stage += 5) {
                 const FusedStress f = scene.at(test, stage);
                 REQUIRE(std::isfinite(f.fused));
@@ -82,9 +82,9 @@ TEST_SUITE("assimilation/fused_stress") {
 
     TEST_CASE("the prediction of a stage does not use its record") {
         const Scene scene(1);
-        MeasuredTest test = measured_test(run_of({0.7, 1}, 0.2, 7001).points);
+        MeasuredCurves test = MeasuredCurves(run_of({0.7, 1}, 0.2, 7001).curves);
         const FusedStress before = scene.at(test, 50);
-        test.q[50] *= 3;
+        test[quantity::deviatoric_stress][50] *= 3;
         const FusedStress after = scene.at(test, 50);
         CHECK(after.fused == before.fused);
         CHECK(after.measured == 3 * before.measured);
@@ -94,8 +94,8 @@ TEST_SUITE("assimilation/fused_stress") {
               "does not") {
         const Scene scene(2);
         using enum FusedStress::Agreement;
-        const MeasuredTest like = measured_test(run_of({0.7, 1}, 0.35, 7002).points),
-                           other = measured_test(run_of({0.7, 1}, std::log(16), 7002).points);
+        const MeasuredCurves like = MeasuredCurves(run_of({0.7, 1}, 0.35, 7002).curves),
+                             other = MeasuredCurves(run_of({0.7, 1}, std::log(16), 7002).curves);
         CHECK(scene.at(like, 60).agreement == agrees);
         CHECK(scene.at(other, 60).agreement == disagrees);
         CHECK(scene.at(other, 1).agreement == disagrees); // from the first record on
@@ -104,9 +104,10 @@ TEST_SUITE("assimilation/fused_stress") {
 
     TEST_CASE("a test that breaks out of the band disagrees from the third stage on") {
         const Scene scene(3);
-        MeasuredTest test = measured_test(run_of({0.7, 1}, 0, 7003).points);
+        MeasuredCurves test = MeasuredCurves(run_of({0.7, 1}, 0, 7003).curves);
         double factor = 1;
-        for (std::size_t k = 60; k < test.q.size(); ++k) test.q[k] *= factor *= 0.75;
+        for (std::size_t k = 60; k < test[quantity::deviatoric_stress].size(); ++k)
+            test[quantity::deviatoric_stress][k] *= factor *= 0.75;
         CHECK(scene.at(test, 59).agreement == FusedStress::Agreement::agrees);
         CHECK(scene.at(test, 63).agreement == FusedStress::Agreement::disagrees);
     }
@@ -115,13 +116,13 @@ TEST_SUITE("assimilation/fused_stress") {
         "without a record, nothing is said; a model without stress disagrees with a test that "
         "has some") {
         Scene scene(4);
-        MeasuredTest test = measured_test(run_of({0.7, 1}, 0, 7004).points);
-        MeasuredTest none;
+        MeasuredCurves test = MeasuredCurves(run_of({0.7, 1}, 0, 7004).curves);
+        MeasuredCurves none;
         CHECK(scene.at(none, 10).agreement == FusedStress::Agreement::unknown);
-        test.q[10] = std::nan("");
+        test[quantity::deviatoric_stress][10] = std::nan("");
         CHECK(scene.at(test, 10).agreement == FusedStress::Agreement::unknown);
         for (ModelRun& run : scene.members.runs)
-            for (TriaxialPoint& p : run.points) p.deviatoric_stress = 500;
+            for (double& q : run.curves[quantity::deviatoric_stress]) q = 500;
         const FusedStress f = scene.at(test, 20);
         CHECK(f.agreement == FusedStress::Agreement::disagrees);
         CHECK(std::isnan(f.fused));

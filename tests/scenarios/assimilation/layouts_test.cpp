@@ -27,9 +27,7 @@ struct Line {
         truth.sensors = 2;
         for (std::size_t k = 0; k < count; ++k) truth.rocks.push_back(static_cast<EntityId>(k));
         for (int stage = 0; stage <= 5; ++stage) {
-            TriaxialPoint p;
-            p.axial_strain = 1e-3 * stage;
-            truth.points.push_back(p);
+            truth.curves.add_row()[quantity::axial_strain] = 1e-3 * stage;
             truth.displacement.emplace_back();
             truth.rotation.emplace_back(count, Vec3::Zero());
             for (std::size_t k = 0; k < count; ++k)

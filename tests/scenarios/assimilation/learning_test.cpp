@@ -23,9 +23,9 @@ ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t se
     Random random(seed, 11);
     const double push = 0.05 * random.normal();
     for (int k = 0; k <= std::lround(strain / 1e-4); ++k) {
-        run.points.push_back(testing::simple_point(rocks, k * 1e-4, push));
-        const TriaxialPoint& p = run.points.back();
-        run.displacement.push_back({Vec3(0, 0, -p.axial_strain * (1 + rocks.friction))});
+        testing::add_simple_stage(run.curves, rocks, k * 1e-4, push);
+        const TestCurves::Row p{run.curves, static_cast<std::size_t>(k)};
+        run.displacement.push_back({Vec3(0, 0, -p[quantity::axial_strain] * (1 + rocks.friction))});
         run.rotation.push_back({Vec3::Zero()});
     }
     run.rocks = {0};
@@ -36,8 +36,9 @@ ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t se
 /// The same with dilation that increases with friction.
 ModelRun dilating_run(const RockParameters& rocks, std::uint64_t seed) {
     ModelRun run = simple_run(rocks, 0.01, seed);
-    for (TriaxialPoint& p : run.points)
-        p.volumetric_strain = -1.5 * rocks.friction * p.axial_strain;
+    for (std::size_t k = 0; k < run.curves.size(); ++k)
+        run.curves[quantity::volumetric_strain][k] =
+            -1.5 * rocks.friction * run.curves[quantity::axial_strain][k];
     return run;
 }
 
@@ -45,9 +46,9 @@ ModelRun dilating_run(const RockParameters& rocks, std::uint64_t seed) {
 ModelRun widening_run(const RockParameters& rocks, std::uint64_t seed) {
     ModelRun run = simple_run(rocks, 0.01, seed);
     run.sensors = 1;
-    for (std::size_t k = 0; k < run.points.size(); ++k)
+    for (std::size_t k = 0; k < run.curves.size(); ++k)
         run.displacement[k][0].x() =
-            0.1 * (2 + std::log(rocks.friction)) * run.points[k].axial_strain;
+            0.1 * (2 + std::log(rocks.friction)) * run.curves[quantity::axial_strain][k];
     return run;
 }
 
@@ -63,12 +64,12 @@ TEST_SUITE("assimilation/learning") {
         const Gaussian prior = prior_of(wrong, learning);
         unsigned runs = 0, longest = 0;
         const Learned learned = learn_in_two_generations(
-            prior, measured_test(real.points), learning, 0.02,
+            prior, Measurements{MeasuredCurves(real.curves)}, learning, 0.02,
             [&](const std::vector<ModelVariant>& variants, double strain) {
                 std::vector<ModelRun> all;
                 for (const ModelVariant& variant : variants)
                     all.push_back(simple_run(variant.rocks, strain, 100 + runs++));
-                longest = std::max(longest, static_cast<unsigned>(all.front().points.size()));
+                longest = std::max(longest, static_cast<unsigned>(all.front().curves.size()));
                 return all;
             });
         CHECK(runs == 16);
@@ -84,8 +85,9 @@ TEST_SUITE("assimilation/learning") {
         const ModelRun together = ensemble_forecast(learned, prior),
                        without = simple_run(wrong, 0.02, 5);
         const auto error = [&](const ModelRun& run) {
-            return std::abs(
-                run.points.back().deviatoric_stress / real.points.back().deviatoric_stress - 1);
+            return std::abs(run.curves[quantity::deviatoric_stress].back() /
+                                real.curves[quantity::deviatoric_stress].back() -
+                            1);
         };
         CHECK(error(together) < 0.5 * error(without));
         CHECK(together.displacement.back()[0].z() == about(-0.02 * 1.7).epsilon(0.03));
@@ -98,9 +100,11 @@ TEST_SUITE("assimilation/learning") {
         Ensemble members{draw_members(prior, 8), {}};
         for (const RockParameters& b : members.parameters)
             members.runs.push_back(simple_run(b, 0.01, members.runs.size()));
-        MeasuredTest one = measured_test(simple_run({0.6, 1}, 0.01, 50).points), other = one;
-        for (std::size_t k = 0; k < other.q.size(); ++k)
-            if (other.strain[k] > 5e-3) other.q[k] *= 2;
+        Measurements one = Measurements{MeasuredCurves(simple_run({0.6, 1}, 0.01, 50).curves)},
+                     other = one;
+        for (std::size_t k = 0; k < other.curves.size(); ++k)
+            if (other.curves[quantity::axial_strain][k] > 5e-3)
+                other.curves[quantity::deviatoric_stress][k] *= 2;
         const auto a = learn(prior, members, one, learning, 0.01),
                    b = learn(prior, members, other, learning, 0.01);
         REQUIRE(a.size() == b.size());
@@ -115,9 +119,10 @@ TEST_SUITE("assimilation/learning") {
         for (const RockParameters& b : members.parameters)
             members.runs.push_back(simple_run(b, 0.01, members.runs.size()));
         const double end = window_ends(learning, 0.01).front();
-        MeasuredTest measured = measured_test(simple_run({0.6, 1}, 0.01, 50).points);
-        for (std::size_t k = 0; k < measured.q.size(); ++k)
-            if (std::abs(measured.strain[k] - end) > 1e-9) measured.q[k] = std::nan("");
+        Measurements measured = Measurements{MeasuredCurves(simple_run({0.6, 1}, 0.01, 50).curves)};
+        for (std::size_t k = 0; k < measured.curves[quantity::deviatoric_stress].size(); ++k)
+            if (std::abs(measured.curves[quantity::axial_strain][k] - end) > 1e-9)
+                measured.curves[quantity::deviatoric_stress][k] = std::nan("");
         const auto estimates = learn(prior, members, measured, learning, 0.01);
         REQUIRE(estimates.size() == 1);
         CHECK(estimates[0].strain == end);
@@ -129,11 +134,13 @@ TEST_SUITE("assimilation/learning") {
         Ensemble members{draw_members(prior, 8), {}};
         for (const RockParameters& b : members.parameters)
             members.runs.push_back(simple_run(b, 0.01, members.runs.size()));
-        const MeasuredTest good = measured_test(simple_run({0.7, 0.6}, 0.01, 50).points);
+        const Measurements good =
+            Measurements{MeasuredCurves(simple_run({0.7, 0.6}, 0.01, 50).curves)};
         const auto learned = [&](auto&& change) {
-            MeasuredTest measured = good;
-            for (std::size_t k = 0; k < measured.q.size(); ++k)
-                measured.q[k] = change(measured.q[k], k);
+            Measurements measured = good;
+            for (std::size_t k = 0; k < measured.curves[quantity::deviatoric_stress].size(); ++k)
+                measured.curves[quantity::deviatoric_stress][k] =
+                    change(measured.curves[quantity::deviatoric_stress][k], k);
             return learn(prior, members, measured, learning, 0.01);
         };
         for (const EstimateAt& k : learned([](double q, std::size_t) { return q; }))
@@ -171,8 +178,8 @@ TEST_SUITE("assimilation/learning") {
               "finite") {
         const Learning learning{.specimen_scatter = 0.25, .by_sensors = false, .by_volume = true};
         const Gaussian prior = prior_of({0.5, 1}, learning);
-        MeasuredTest measured = measured_test(dilating_run({0.7, 1}, 50).points);
-        for (double& q : measured.q) q = std::nan("");
+        Measurements measured = Measurements{MeasuredCurves(dilating_run({0.7, 1}, 50).curves)};
+        for (double& q : measured.curves[quantity::deviatoric_stress]) q = std::nan("");
         unsigned runs = 0;
         const auto run = [&](const std::vector<ModelVariant>& variants, double) {
             std::vector<ModelRun> all;
@@ -187,11 +194,11 @@ TEST_SUITE("assimilation/learning") {
         CHECK(estimates.root.row(0).norm() < prior.root.row(0).norm());
         CHECK(estimates.root.row(1).norm() ==
               about(prior.root.row(1).norm()).epsilon(0.05)); // stiffness is not observable
-        for (double& v : measured.volumetric_strain) v = std::nan("");
+        for (double& v : measured.curves[quantity::volumetric_strain]) v = std::nan("");
         const Learned nothing = learn_in_two_generations(prior, measured, learning, 0.01, run);
         CHECK(nothing.estimates.empty());
-        for (const TriaxialPoint& p : ensemble_forecast(nothing, prior).points)
-            CHECK(std::isfinite(p.deviatoric_stress));
+        const ModelRun forecast = ensemble_forecast(nothing, prior);
+        for (const double q : forecast.curves[quantity::deviatoric_stress]) CHECK(std::isfinite(q));
     }
 
     TEST_CASE(
@@ -216,8 +223,8 @@ TEST_SUITE("assimilation/learning") {
         const std::array<std::size_t, 6> left{0, 2, 4, 5, 6, 7};
         for (std::size_t k = 0; k < 6; ++k) {
             CHECK(some.parameters[k].friction == all.parameters[left[k]].friction);
-            CHECK(some.runs[k].points.back().deviatoric_stress ==
-                  all.runs[left[k]].points.back().deviatoric_stress);
+            CHECK(some.runs[k].curves[quantity::deviatoric_stress].back() ==
+                  all.runs[left[k]].curves[quantity::deviatoric_stress].back());
         }
         CHECK_THROWS_AS(ensemble_without(3), SimulationError);
     }
@@ -237,10 +244,10 @@ TEST_SUITE("assimilation/learning") {
             const RockParameters truth = mean_of(
                 {prior.mean + prior.root * Vector::NullaryExpr(2, [&] { return random.normal(); }),
                  prior.covariance()});
-            MeasuredTest measured =
-                measured_test(simple_run(truth, 0.01, 50 + static_cast<std::uint64_t>(k)).points);
+            Measurements measured = Measurements{
+                MeasuredCurves(simple_run(truth, 0.01, 50 + static_cast<std::uint64_t>(k)).curves)};
             const double stronger = std::exp(0.2 * random.normal());
-            for (double& q : measured.q) q *= stronger;
+            for (double& q : measured.curves[quantity::deviatoric_stress]) q *= stronger;
             const Gaussian after = learn(prior, members, measured, learning, 0.01).back().estimate;
             outside += squared_distance(after, logarithms_of(truth)) / specimens;
             deviation += after.root.row(0).norm() / specimens;
@@ -266,13 +273,14 @@ TEST_SUITE("assimilation/learning") {
             const RockParameters truth = mean_of(
                 {prior.mean + prior.root * Vector::NullaryExpr(2, [&] { return random.normal(); }),
                  prior.covariance()});
-            MeasuredTest measured =
-                measured_test(dilating_run(truth, 50 + static_cast<std::uint64_t>(k)).points);
+            Measurements measured = Measurements{
+                MeasuredCurves(dilating_run(truth, 50 + static_cast<std::uint64_t>(k)).curves)};
             const double both = random.normal(),
                          strength = std::sqrt(0.6) * both + std::sqrt(0.4) * random.normal(),
                          dilation = std::sqrt(0.6) * both + std::sqrt(0.4) * random.normal();
-            for (double& q : measured.q) q *= std::exp(0.3 * strength);
-            for (double& v : measured.volumetric_strain) v *= 1 + 0.3 * dilation;
+            for (double& q : measured.curves[quantity::deviatoric_stress])
+                q *= std::exp(0.3 * strength);
+            for (double& v : measured.curves[quantity::volumetric_strain]) v *= 1 + 0.3 * dilation;
             outside +=
                 squared_distance(learn(prior, members, measured, learning, 0.01).back().estimate,
                                  logarithms_of(truth)) /
@@ -289,14 +297,14 @@ TEST_SUITE("assimilation/learning") {
         Ensemble members{draw_members(prior, 8), {}};
         for (const RockParameters& b : members.parameters)
             members.runs.push_back(dilating_run(b, members.runs.size()));
-        MeasuredTest measured = measured_test(dilating_run({0.7, 1}, 50).points);
+        Measurements measured = Measurements{MeasuredCurves(dilating_run({0.7, 1}, 50).curves)};
         const auto learned = [&] {
             return learn(prior, members, measured, learning, 0.01).back().estimate;
         };
         const Gaussian by_q = learned();
         learning.by_volume = true;
         const Gaussian by_both = learned();
-        for (double& v : measured.volumetric_strain) v = std::nan("");
+        for (double& v : measured.curves[quantity::volumetric_strain]) v = std::nan("");
         const Gaussian unmeasured = learned();
         // at the end ln q varies as 0.65 ln friction and 0.19 ln stiffness (with a prior deviation
         // of 0.4), dilation as 0.89 ln friction; specimens scatter by 0.25 in each, with a
@@ -323,7 +331,7 @@ TEST_SUITE("assimilation/learning") {
         for (const RockParameters& b : members.parameters)
             members.runs.push_back(widening_run(b, members.runs.size()));
         const ModelRun truth = widening_run({0.7, 1}, 50);
-        MeasuredTest measured = measured_test(truth.points);
+        Measurements measured = Measurements{MeasuredCurves(truth.curves)};
         measured.trajectories =
             recorded_trajectories(truth, sensor_rocks(truth), 1e-3, 1e-6, 1e-3, 1);
         measured.displacement_noise = 1e-6;
@@ -360,7 +368,8 @@ TEST_SUITE("assimilation/learning") {
     TEST_CASE("a given first generation gives the same estimates as one that is run anew") {
         const Learning learning;
         const Gaussian prior = prior_of({0.5, 1}, learning);
-        const MeasuredTest measured = measured_test(simple_run({0.7, 1}, 0.02, 77).points);
+        const Measurements measured =
+            Measurements{MeasuredCurves(simple_run({0.7, 1}, 0.02, 77).curves)};
         unsigned runs = 0;
         const RunModels run = [&](const std::vector<ModelVariant>& variants, double strain) {
             std::vector<ModelRun> all;
@@ -444,7 +453,7 @@ TEST_SUITE("assimilation/learning") {
             for (const RockParameters& b : members.parameters)
                 members.runs.push_back(run_of(b, members.runs.size()));
             const ModelRun truth = run_of({0.7, 1}, 50);
-            MeasuredTest measured = measured_test(truth.points);
+            Measurements measured = Measurements{MeasuredCurves(truth.curves)};
             measured.trajectories =
                 recorded_trajectories(truth, sensor_rocks(truth), 1e-3, 0, 0, 1);
             measured.displacement_noise = noise;
@@ -466,9 +475,10 @@ TEST_SUITE("assimilation/learning") {
         for (const RockParameters& b : members.parameters)
             members.runs.push_back(simple_run(b, 0.01, members.runs.size()));
         const auto learned = [&](const Ensemble& ensemble, const ModelRun& truth) {
-            MeasuredTest measured = measured_test(truth.points);
-            for (std::size_t k = 0; k < measured.q.size(); ++k)
-                if (std::abs(measured.strain[k] - 0.01) > 1e-9) measured.q[k] = std::nan("");
+            Measurements measured = Measurements{MeasuredCurves(truth.curves)};
+            for (std::size_t k = 0; k < measured.curves[quantity::deviatoric_stress].size(); ++k)
+                if (std::abs(measured.curves[quantity::axial_strain][k] - 0.01) > 1e-9)
+                    measured.curves[quantity::deviatoric_stress][k] = std::nan("");
             return learn(prior, ensemble, measured, learning, 0.01).back().estimate;
         };
         double sum = 0;
@@ -480,15 +490,15 @@ TEST_SUITE("assimilation/learning") {
             sum += squared_distance(learned(others, members.runs[j]),
                                     logarithms_of(members.parameters[j]));
             forecast[static_cast<Eigen::Index>(j)] =
-                std::log(members.runs[j].points.back().deviatoric_stress);
+                std::log(members.runs[j].curves[quantity::deviatoric_stress].back());
         }
         const double weight = 2 * 7 / sum; // two parameters
         REQUIRE(weight < 0.8);
         const ModelRun truth = simple_run({0.6, 1.1}, 0.01, 50);
         ParameterEstimate expected(prior, logarithms_of(members.parameters), 1, weight);
         expected.observe(0, forecast,
-                         {std::log(truth.points.back().deviatoric_stress), learning.force_noise, 0,
-                          std::log(0.01)});
+                         {std::log(truth.curves[quantity::deviatoric_stress].back()),
+                          learning.force_noise, 0, std::log(0.01)});
         const Gaussian found = learned(members, truth);
         CHECK((found.mean - expected.parameters().mean).norm() < 1e-9);
         CHECK((found.covariance() - expected.parameters().covariance()).norm() < 1e-9);

@@ -90,12 +90,12 @@ TEST_SUITE("assimilation/library_member") {
                                                       library.settings, common, [](const auto&) {});
         for (std::size_t p = 0; p < 2; ++p) {
             const ModelRun run = run_member(library, 0, packing, library.pressures[p], 1, {});
-            REQUIRE(run.points.size() == 51);
+            REQUIRE(run.curves.size() == 51);
             CHECK(difference_from(library, 0, p, run) < 1e-6); // the library keeps floats
             CHECK(difference_from(library, 0, 1 - p, run) > 0.1);
         }
         const ModelRun half = run_member(library, 0, packing, library.pressures[0], 0.002, {});
-        CHECK(half.points.size() == 21);
+        CHECK(half.curves.size() == 21);
         // a second time it is read from its folder
         Common resumed = common;
         resumed.out = folder / "resumed";

@@ -41,14 +41,17 @@ TEST_SUITE("assimilation/library_prediction") {
         for (const LibrarySpecimen& truth : truths.specimens) {
             const LibraryPrediction p = predictor.predict(truth);
             if (p.distance <= 1) // beyond it the nearest specimens count, whatever is linear
-                early = std::max(early,
-                                 std::abs(std::log(p.q.mean[19] / double{truth.tests[1].q[19]})));
+                early =
+                    std::max(early, std::abs(std::log(p.curves[quantity::deviatoric_stress][19] /
+                                                      double{truth.tests[1].q[19]})));
             const double q = double{truth.tests[1].q[60]};
-            inside += p.q.low[60] < q && q < p.q.high[60] ? 1 : 0;
-            inside_friction += p.friction.low[0] < truth.rocks.friction &&
-                                       truth.rocks.friction < p.friction.high[0]
-                                   ? 1
-                                   : 0;
+            inside += p.curves.column(quantity::deviatoric_stress).low[60] < q &&
+                              q < p.curves.column(quantity::deviatoric_stress).high[60]
+                          ? 1
+                          : 0;
+            inside_friction +=
+                p.friction.low < truth.rocks.friction && truth.rocks.friction < p.friction.high ? 1
+                                                                                                : 0;
             CHECK(p.distance < 4);
         }
         CHECK(early < 0.05); // to 2 % q follows from q at 1 %; the prior deviation is 0.3
@@ -58,18 +61,23 @@ TEST_SUITE("assimilation/library_prediction") {
         CHECK(inside_friction >= 160);
         const LibraryPrediction prior = predictor.prior(),
                                 p = predictor.predict(truths.specimens[0]);
-        CHECK(p.q.high[19] - p.q.low[19] < 0.2 * (prior.q.high[19] - prior.q.low[19]));
-        CHECK(p.rings.mean.size() == 160);
-        CHECK(p.sensors.mean.empty());
+        CHECK(p.curves.column(quantity::deviatoric_stress).high[19] -
+                  p.curves.column(quantity::deviatoric_stress).low[19] <
+              0.2 * (prior.curves.column(quantity::deviatoric_stress).high[19] -
+                     prior.curves.column(quantity::deviatoric_stress).low[19]));
+        CHECK(p.curves.parts(quantity::radial_strain) == 2);
+        CHECK(p.motion.empty());
     }
 
     TEST_CASE("the motion of sensor rocks and the displacement field are predicted on request") {
         const SpecimenLibrary library = testing::synthetic_library(20, 1);
         const LibraryPredictor predictor(library, {}, 0, 1, true);
         const LibraryPrediction p = predictor.predict(library.specimens[3]);
-        CHECK(p.sensors.mean.size() == 16 * 6);
-        REQUIRE(p.field.mean.size() == 16 * 2 * FieldCells::count);
-        for (const double x : p.field.mean) CHECK(x == about(0.5).epsilon(1e-6)); // the same in all
+        CHECK(p.motion.size() == 16);
+        CHECK(p.motion.parts(quantity::sensor_motion) == 6);
+        REQUIRE(p.motion.parts(quantity::displacement_field) == 2 * FieldCells::count);
+        for (const double x : p.motion[quantity::displacement_field])
+            CHECK(x == about(0.5).epsilon(1e-6)); // the same in all
     }
 
     TEST_CASE("far from the library no band is narrow") {
@@ -80,10 +88,14 @@ TEST_SUITE("assimilation/library_prediction") {
         const LibraryPrediction far = predictor.predict(odd),
                                 near = predictor.predict(library.specimens[0]);
         CHECK(far.distance > 5);
-        CHECK(std::log(far.q.high[40] / far.q.low[40]) >
-              5 * std::log(near.q.high[40] / near.q.low[40]));
-        CHECK(far.volume.high[40] - far.volume.low[40] >
-              5 * (near.volume.high[40] - near.volume.low[40]));
+        CHECK(std::log(far.curves.column(quantity::deviatoric_stress).high[40] /
+                       far.curves.column(quantity::deviatoric_stress).low[40]) >
+              5 * std::log(near.curves.column(quantity::deviatoric_stress).high[40] /
+                           near.curves.column(quantity::deviatoric_stress).low[40]));
+        CHECK(far.curves.column(quantity::volumetric_strain).high[40] -
+                  far.curves.column(quantity::volumetric_strain).low[40] >
+              5 * (near.curves.column(quantity::volumetric_strain).high[40] -
+                   near.curves.column(quantity::volumetric_strain).low[40]));
     }
 
     TEST_CASE("friction is estimated from one number of each measured block") {
@@ -164,7 +176,8 @@ TEST_SUITE("assimilation/library_prediction") {
         const LibraryPrediction p = predictor.predict(library.specimens[4]);
         const auto& q = library.specimens[4].tests[0].q;
         double error = 0, single = 0;
-        for (std::size_t k = 40; k < 80; ++k) error += std::pow(p.q.mean[k] - double{q[k]}, 2) / 40;
+        for (std::size_t k = 40; k < 80; ++k)
+            error += std::pow(p.curves[quantity::deviatoric_stress][k] - double{q[k]}, 2) / 40;
         for (const LibrarySpecimen& s : others.specimens) {
             double sum = 0;
             for (std::size_t k = 40; k < 80; ++k)
@@ -196,28 +209,31 @@ TEST_SUITE("assimilation/library_prediction") {
               "where it does not") {
         const SpecimenLibrary library = testing::synthetic_library(40, 1);
         const LibrarySpecimen& like = library.specimens[5];
-        MeasuredTest measured; // at strains between those of the library
+        MeasuredCurves measured; // at strains between those of the library
         for (int k = 1; k <= 30; ++k) {
             const double strain = 5e-4 * k;
-            measured.strain.push_back(strain);
+            const auto row = measured.add_row();
+            row[quantity::axial_strain] = strain;
             const auto at = static_cast<std::size_t>(std::max(0.0, std::round(strain / 1e-3) - 1));
-            measured.q.push_back(double{like.tests[1].q[at]});
-            measured.volumetric_strain.push_back(double{like.tests[1].volume[at]});
+            row[quantity::deviatoric_stress] = double{like.tests[1].q[at]};
+            row[quantity::volumetric_strain] = double{like.tests[1].volume[at]};
         }
         std::vector<NamedValue> settings = library.settings;
         const ModelOfTest model{settings, 0.39, 110e3};
         const TestPrediction t = predict_test(library, model, measured, {});
         CHECK(t.not_used.empty());
         const LibraryPrediction own = LibraryPredictor(library, {}, 1, 1).predict(like);
-        CHECK(t.predicted.q.mean[30] == about(own.q.mean[30]).epsilon(1e-6));
+        CHECK(t.predicted.curves[quantity::deviatoric_stress][30] ==
+              about(own.curves[quantity::deviatoric_stress][30]).epsilon(1e-6));
         CHECK(described(t).find("q and volume to 1 %") != std::string::npos);
 
-        MeasuredTest no_force = measured; // quality control removed some of q
-        no_force.q[10] = no_force.q[11] = no_force.q[12] = no_force.q[13] = std::nan("");
+        MeasuredCurves no_force = measured; // quality control removed some of q
+        for (std::size_t k = 10; k < 14; ++k)
+            no_force[quantity::deviatoric_stress][k] = std::nan("");
         CHECK_FALSE(predict_test(library, model, no_force, {}).used.force);
         CHECK(predict_test(library, model, no_force, {}).used.volume);
-        MeasuredTest nothing = no_force;
-        nothing.volumetric_strain = nothing.q;
+        MeasuredCurves nothing = no_force;
+        nothing[quantity::volumetric_strain] = nothing[quantity::deviatoric_stress];
         CHECK(described(predict_test(library, model, nothing, {})).find("neither") !=
               std::string::npos);
 

@@ -57,9 +57,9 @@ struct SteadyStream {
 
     SteadyStream() {
         const ModelRun run = testing::steady_run();
-        write_recorded_test(folder.path(), 55e3, record_sensors(run, {.interval = 1e-4}, 1),
-                            testing::scene_of(run).specimen, testing::scene_of(run).poses,
-                            run.points);
+        write_recorded_test(folder.path(), 55e3,
+                            testing::placed(record_sensors(run, {.interval = 1e-4}, 1), run),
+                            MeasuredCurves(run.curves));
         infos = read_sensor_infos(folder.path());
         lines = stream_of(folder / "55kPa", 1.2, 60);
     }

@@ -21,14 +21,15 @@ RecordedTest recorded(const ModelRun& truth, std::size_t stage) {
         test.recordings.emplace_back().info.displacement_noise = 1e-6;
         SensorTrajectory& trajectory = test.trajectories.emplace_back();
         for (std::size_t k = 3; k <= stage; k += 3) {
-            trajectory.strain.push_back(truth.points[k].axial_strain);
+            trajectory.strain.push_back(truth.curves[quantity::axial_strain][k]);
             trajectory.displacement.push_back(truth.displacement[k][s]);
             trajectory.rotation.push_back(truth.rotation[k][s]);
             trajectory.tilt.push_back(Vec3::Constant(std::nan("")));
         }
     }
-    test.measured.assign(truth.points.begin(),
-                         truth.points.begin() + static_cast<std::ptrdiff_t>(stage) + 1);
+    test.curves =
+        MeasuredCurves(truth.curves.rows_where([&](std::size_t k) { return k <= stage; }));
+    test.displacement_noise = 1e-6;
     return test;
 }
 
@@ -51,8 +52,8 @@ struct Live {
             });
     }
     void follow(LiveModel& model, std::size_t stages) const {
-        while (model.state().points.size() < stages) {
-            model.next_stage(recorded(truth, model.state().points.size()));
+        while (model.state().curves.size() < stages) {
+            model.next_stage(recorded(truth, model.state().curves.size()));
             model.advance_members();
         }
     }
@@ -70,9 +71,10 @@ void check_same_bits(const LiveModel& a, const LiveModel& b) {
     CHECK(a.state().displacement == b.state().displacement);
     CHECK(a.state().rotation == b.state().rotation);
     CHECK(a.forecast().displacement == b.forecast().displacement);
-    REQUIRE(a.state().points.size() == b.state().points.size());
-    for (std::size_t k = 0; k < a.state().points.size(); ++k)
-        CHECK(a.state().points[k].deviatoric_stress == b.state().points[k].deviatoric_stress);
+    REQUIRE(a.state().curves.size() == b.state().curves.size());
+    for (std::size_t k = 0; k < a.state().curves.size(); ++k)
+        CHECK(a.state().curves[quantity::deviatoric_stress][k] ==
+              b.state().curves[quantity::deviatoric_stress][k]);
     CHECK(a.estimate().mean == b.estimate().mean);
     CHECK(a.estimate().root == b.estimate().root);
     CHECK(a.caught_up_at() == b.caught_up_at());
@@ -138,7 +140,7 @@ TEST_SUITE("assimilation/live_members") {
             begin_models(live.scene, live.settings, live.specimen, variants, common, live.progress);
         for (const std::size_t points : {std::size_t{2}, std::size_t{5}, std::size_t{12}}) {
             second.advance(again, points);
-            CHECK(again[0].points.size() == points);
+            CHECK(again[0].curves.size() == points);
             CHECK(again[1].displacement.size() == points);
         }
         first.advance(runs, 12);
@@ -146,8 +148,8 @@ TEST_SUITE("assimilation/live_members") {
             CHECK(again[k].displacement == runs[k].displacement);
             CHECK(again[k].rotation == runs[k].rotation);
             CHECK(again[k].rocks == runs[k].rocks);
-            CHECK(again[k].points.back().deviatoric_stress ==
-                  runs[k].points.back().deviatoric_stress);
+            CHECK(again[k].curves[quantity::deviatoric_stress].back() ==
+                  runs[k].curves[quantity::deviatoric_stress].back());
         }
     }
 }

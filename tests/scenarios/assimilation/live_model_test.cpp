@@ -21,9 +21,8 @@ ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t se
     const double push = 0.03 * random.normal();
     const Vec3 scatter = 2e-4 * random.direction();
     for (int k = 0; k <= std::lround(strain / 1e-4); ++k) {
-        run.points.push_back(testing::simple_point(rocks, k * 1e-4, push));
-        const TriaxialPoint& p = run.points.back();
-        const double progress = p.axial_strain / 0.02;
+        testing::add_simple_stage(run.curves, rocks, k * 1e-4, push);
+        const double progress = k * 1e-4 / 0.02;
         run.displacement.push_back({progress * (Vec3(1e-3 * rocks.friction, 0, 0) + scatter),
                                     progress * (Vec3(1e-3 * rocks.friction, 0, 0) + 0.9 * scatter),
                                     progress * Vec3(0, 0, 1e-3)});
@@ -42,12 +41,13 @@ ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t se
 RecordedTest recorded(const ModelRun& run, double strain) {
     RecordedTest test;
     test.recordings.emplace_back().info.displacement_noise = 1e-6;
+    test.displacement_noise = 1e-6;
     test.trajectories.emplace_back();
-    for (std::size_t k = 0; k < run.points.size() && run.points[k].axial_strain <= strain + 1e-9;
-         ++k) {
-        test.measured.push_back(run.points[k]);
+    for (std::size_t k = 0;
+         k < run.curves.size() && run.curves[quantity::axial_strain][k] <= strain + 1e-9; ++k) {
+        test.curves.add_row_of(run.curves, k);
         if (k == 0 || k % 10 != 0) continue;
-        test.trajectories[0].strain.push_back(run.points[k].axial_strain);
+        test.trajectories[0].strain.push_back(run.curves[quantity::axial_strain][k]);
         test.trajectories[0].displacement.push_back(run.displacement[k][0]);
         test.trajectories[0].rotation.push_back(Vec3::Constant(std::nan("")));
         test.trajectories[0].tilt.push_back(Vec3::Constant(std::nan("")));
@@ -57,10 +57,11 @@ RecordedTest recorded(const ModelRun& run, double strain) {
 
 /// Adds stages of a whole run, up to a number of points.
 void grow(ModelRun& run, const ModelRun& whole, std::size_t points) {
-    const std::size_t had = run.points.size();
+    const std::size_t had = run.curves.size();
     if (had == 0) run = empty_run_like(whole);
     for (std::size_t k = had; k < points; ++k) {
-        run.points.push_back(whole.points.at(k)); // throws where the test does not go
+        REQUIRE(k < whole.curves.size()); // nothing is asked for where the test does not go
+        run.curves.add_row_of(whole.curves, k);
         run.displacement.push_back(whole.displacement[k]);
         run.rotation.push_back(whole.rotation[k]);
     }
@@ -87,8 +88,8 @@ struct Case {
                     [this, second, whole](std::vector<ModelRun>& all, std::size_t points) mutable {
                         all.resize(whole.size());
                         longest = std::max(longest, points);
-                        if (!all[0].points.empty() || second)
-                            longest_step = std::max(longest_step, points - all[0].points.size());
+                        if (!all[0].curves.empty() || second)
+                            longest_step = std::max(longest_step, points - all[0].curves.size());
                         for (std::size_t k = 0; k < all.size(); ++k) grow(all[k], whole[k], points);
                         for (; second && stopping > 0 && points > stops_at; --stopping) {
                             all[stopping].stopped = "a guard";
@@ -101,7 +102,7 @@ struct Case {
 };
 
 double error(const ModelRun& run, const ModelRun& truth, std::size_t rock) {
-    return (run.displacement.back()[rock] - truth.displacement[run.points.size() - 1][rock]).norm();
+    return (run.displacement.back()[rock] - truth.displacement[run.curves.size() - 1][rock]).norm();
 }
 
 } // namespace
@@ -116,7 +117,7 @@ TEST_SUITE("assimilation/live_model") {
         CHECK(c.longest == 21);
         while (!model.done()) model.next_stage(recorded(c.truth, model.next_strain()));
         CHECK(c.runs == 16);
-        CHECK(model.state().points.size() == 201);
+        CHECK(model.state().curves.size() == 201);
         CHECK(model.strain() == about(0.02));
         CHECK(std::abs(mean_of(model.estimate()).friction - 0.7) < 0.05);
         CHECK(squared_distance(model.estimate(), logarithms_of({0.7, 1})) < 9.2);
@@ -124,16 +125,16 @@ TEST_SUITE("assimilation/live_model") {
             CHECK(model.estimates()[k].strain > model.estimates()[k - 1].strain);
         CHECK(error(model.state(), c.truth, 0) < 0.05 * error(model.forecast(), c.truth, 0));
         CHECK(error(model.state(), c.truth, 1) < 0.5 * error(model.forecast(), c.truth, 1));
-        CHECK(std::abs(model.state().points.back().deviatoric_stress /
-                           c.truth.points.back().deviatoric_stress -
+        CHECK(std::abs(model.state().curves[quantity::deviatoric_stress].back() /
+                           c.truth.curves[quantity::deviatoric_stress].back() -
                        1) < 0.1);
     }
 
     TEST_CASE("later records do not change earlier stages, and without records the model continues "
               "by itself") {
         Case one, other;
-        for (std::size_t k = 51; k < other.truth.points.size(); ++k) {
-            other.truth.points[k].deviatoric_stress *= 2;
+        for (std::size_t k = 51; k < other.truth.curves.size(); ++k) {
+            other.truth.curves[quantity::deviatoric_stress][k] *= 2;
             other.truth.displacement[k][0] *= 2;
         }
         LiveModel a = one.model(), b = other.model();
@@ -141,8 +142,8 @@ TEST_SUITE("assimilation/live_model") {
             a.next_stage(recorded(one.truth, a.next_strain()));
             b.next_stage(recorded(other.truth, b.next_strain()));
             if (k > 50) continue;
-            CHECK(a.state().points.back().deviatoric_stress ==
-                  b.state().points.back().deviatoric_stress);
+            CHECK(a.state().curves[quantity::deviatoric_stress].back() ==
+                  b.state().curves[quantity::deviatoric_stress].back());
             CHECK(a.state().displacement.back() == b.state().displacement.back());
         }
         CHECK(a.state().displacement.back() != b.state().displacement.back());
@@ -150,7 +151,7 @@ TEST_SUITE("assimilation/live_model") {
         LiveModel quiet = silent.model();
         while (!quiet.done())
             quiet.next_stage(recorded(silent.truth, std::min(0.005, quiet.next_strain())));
-        CHECK(quiet.state().points.size() == 201);
+        CHECK(quiet.state().curves.size() == 201);
         CHECK(quiet.estimates().back().strain <= 0.01);
         for (const Vec3& d : quiet.state().displacement.back()) CHECK(d.allFinite());
     }
@@ -163,10 +164,10 @@ TEST_SUITE("assimilation/live_model") {
             LiveModel model = c.model(0.02, catch_up);
             while (!model.done()) {
                 model.next_stage(recorded(c.truth, model.next_strain()));
-                CHECK(c.longest == std::max<std::size_t>(21, model.state().points.size()));
+                CHECK(c.longest == std::max<std::size_t>(21, model.state().curves.size()));
                 model.advance_members();
                 CHECK(c.longest ==
-                      std::clamp<std::size_t>(model.state().points.size() + 1, 21, 201));
+                      std::clamp<std::size_t>(model.state().curves.size() + 1, 21, 201));
                 CHECK(c.longest_step <= catch_up);
             }
             // 20 stages, the start, and one for each stage of the test meanwhile, at `catch_up`
@@ -186,8 +187,8 @@ TEST_SUITE("assimilation/live_model") {
             a.next_stage(recorded(one.truth, a.next_strain()));
             for (int k = 0; k < 3; ++k) a.advance_members();
             b.next_stage(recorded(other.truth, b.next_strain()));
-            CHECK(a.state().points.back().deviatoric_stress ==
-                  b.state().points.back().deviatoric_stress);
+            CHECK(a.state().curves[quantity::deviatoric_stress].back() ==
+                  b.state().curves[quantity::deviatoric_stress].back());
             CHECK(a.state().displacement.back() == b.state().displacement.back());
             CHECK(a.estimate().mean == b.estimate().mean);
         }
@@ -210,7 +211,7 @@ TEST_SUITE("assimilation/live_model") {
             while (!too_few.done()) too_few.next_stage(recorded(lost.truth, too_few.next_strain()));
         };
         CHECK_THROWS_AS(to_the_end(), SimulationError);
-        CHECK(too_few.state().points.size() == 50);
+        CHECK(too_few.state().curves.size() == 50);
     }
 
     TEST_CASE("too few members left of a second generation that has not caught up do not end the "
@@ -232,7 +233,7 @@ TEST_SUITE("assimilation/live_model") {
         // it began with stage 20, and advances four stages for each one since
         CHECK(model.lost_second_at() == about(23e-4));
         CHECK(other.lost_second_at() == model.lost_second_at());
-        CHECK(model.state().points.size() == 201);
+        CHECK(model.state().curves.size() == 201);
         CHECK(lost.checkpoint == 1); // so that a resumed run loses its members at the same stage
         CHECK(squared_distance(model.estimate(), logarithms_of({0.7, 1})) < 9.2);
         CHECK(error(model.state(), lost.truth, 0) < 0.05 * error(model.forecast(), lost.truth, 0));
@@ -243,6 +244,6 @@ TEST_SUITE("assimilation/live_model") {
         LiveModel model = c.model(1e-3);
         while (!model.done()) model.next_stage(recorded(c.truth, model.next_strain()));
         CHECK(c.runs == 8);
-        CHECK(model.state().points.size() == 11);
+        CHECK(model.state().curves.size() == 11);
     }
 }

@@ -19,17 +19,16 @@ TEST_SUITE("assimilation/live_prediction") {
         CHECK(live.reason().empty());
         const LibrarySpecimen& like = library.specimens[5];
         RecordedTest measured;
-        measured.measured.resize(1);
+        measured.curves.add_row()[quantity::axial_strain] = 0;
         CHECK_FALSE(live.update(0, measured));
         int updates = 0;
         for (int stage = 1; stage <= 30; ++stage) { // three stages for each strain of the library
             const double strain = 1e-3 * stage / 3;
             const auto at = static_cast<std::size_t>(std::max(0, (stage + 1) / 3 - 1));
-            TriaxialPoint point;
-            point.axial_strain = strain;
-            point.deviatoric_stress = double{like.tests[1].q[at]};
-            point.volumetric_strain = double{like.tests[1].volume[at]};
-            measured.measured.push_back(point);
+            const auto point = measured.curves.add_row();
+            point[quantity::axial_strain] = strain;
+            point[quantity::deviatoric_stress] = double{like.tests[1].q[at]};
+            point[quantity::volumetric_strain] = double{like.tests[1].volume[at]};
             updates += live.update(strain, measured) ? 1 : 0;
         }
         CHECK(updates == 10);
@@ -38,7 +37,8 @@ TEST_SUITE("assimilation/live_prediction") {
         CHECK(live.rings().strain == about(0.01).epsilon(1e-9));
         CHECK(live.rings().without_sensors.find("found 0") != std::string::npos);
         const LibraryPrediction own = LibraryPredictor(library, {}, 1, 1).predict(like);
-        CHECK(live.last().predicted.q.mean[60] == about(own.q.mean[60]).epsilon(1e-5));
+        CHECK(live.last().predicted.curves[quantity::deviatoric_stress][60] ==
+              about(own.curves[quantity::deviatoric_stress][60]).epsilon(1e-5));
         live.write(folder.path());
         CHECK(std::filesystem::exists(folder / "predicted.csv"));
         CHECK(std::filesystem::exists(folder / "predictions.csv"));

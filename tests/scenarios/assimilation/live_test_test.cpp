@@ -3,7 +3,7 @@
 #include "engine/io/csv.hpp"
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/twin.hpp"
-#include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/records/quality_control_report.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/assimilation/logged.hpp"
@@ -33,9 +33,8 @@ struct Recorded {
 
     Recorded() {
         const ModelRun run = testing::steady_run();
-        write_recorded_test(folder.path(), 55e3, record_sensors(run, {}, 1),
-                            testing::scene_of(run).specimen, testing::scene_of(run).poses,
-                            run.points);
+        write_recorded_test(folder.path(), 55e3, testing::placed(record_sensors(run, {}, 1), run),
+                            MeasuredCurves(run.curves));
         infos = read_sensor_infos(folder.path());
         lines = stream_of(folder / "55kPa", 1.2, 60);
     }
@@ -66,11 +65,11 @@ struct Followed {
 };
 
 void check_same(const RecordedTest& a, const RecordedTest& b) {
-    REQUIRE(a.measured.size() == b.measured.size());
-    for (std::size_t k = 0; k < a.measured.size(); ++k) {
-        CHECK(a.measured[k].deviatoric_stress == b.measured[k].deviatoric_stress);
-        CHECK(a.measured[k].ring_radius == b.measured[k].ring_radius);
+    REQUIRE(a.curves.size() == b.curves.size());
+    for (std::size_t k = 0; k < a.curves.size(); ++k) {
+        CHECK(a.curves[quantity::deviatoric_stress][k] == b.curves[quantity::deviatoric_stress][k]);
     }
+    for (std::size_t r = 0; r < a.curves.rings(); ++r) CHECK(a.curves.ring(r) == b.curves.ring(r));
     REQUIRE(a.trajectories.size() == b.trajectories.size());
     for (std::size_t s = 0; s < a.trajectories.size(); ++s) {
         CHECK(a.trajectories[s].strain == b.trajectories[s].strain);
@@ -120,7 +119,7 @@ TEST_SUITE("assimilation/live_test") {
         const auto test = f.follow(recorded().lines);
         REQUIRE(test->follow_to(0.004));
         const RecordedTest before = test->so_far();
-        CHECK(before.measured.back().axial_strain == about(0.004));
+        CHECK(before.curves[quantity::axial_strain].back() == about(0.004));
         CHECK(before.trajectories[1].strain.back() == about(0.004));
         CHECK(test->ages().size() == 3 * 5 + 3 * 4 + 41);
         CHECK(test->ages().empty());
@@ -169,7 +168,7 @@ TEST_SUITE("assimilation/live_test") {
         std::filesystem::copy_file(f.folder / "log", f.folder / "log2");
         const auto going_on = f.follow(remaining, "log2");
         REQUIRE(going_on->follow_to(0.004));
-        CHECK(going_on->so_far().measured.back().axial_strain == about(0.004));
+        CHECK(going_on->so_far().curves[quantity::axial_strain].back() == about(0.004));
         (void)going_on->follow_to(1);
         check_same(going_on->so_far(), recorded().read());
         const auto all = std::make_unique<LiveTest>(
@@ -390,7 +389,7 @@ TEST_SUITE("assimilation/live_test") {
             CHECK(report.find(fault.says) != std::string::npos);
             REQUIRE(test->follow_to(0.01)); // the test does not end there
             const RecordedTest found = test->so_far(), good = recorded().read();
-            REQUIRE(found.measured.size() == good.measured.size());
+            REQUIRE(found.curves.size() == good.curves.size());
             CHECK(found.refused() == 0);
             CHECK(found.trajectories[1].displacement == good.trajectories[1].displacement);
             std::size_t left_out = 0;
@@ -401,14 +400,18 @@ TEST_SUITE("assimilation/live_test") {
                 else
                     rest_is_same = rest_is_same && a == b;
             };
-            for (std::size_t k = 0; k < found.measured.size(); ++k) {
-                const TriaxialPoint &a = found.measured[k], &b = good.measured[k];
-                compare(a.deviatoric_stress,
-                        k == 51 && a.deviatoric_stress == 8e4
-                            ? 8e4
-                            : b.deviatoric_stress); // the first record of a constant run is valid
-                compare(a.volumetric_strain, b.volumetric_strain);
-                for (std::size_t r = 0; r < 8; ++r) compare(a.ring_radius[r], b.ring_radius[r]);
+            for (std::size_t k = 0; k < found.curves.size(); ++k) {
+                const auto at = [k](const RecordedTest& of, const Quantity& q) {
+                    return of.curves[q][k];
+                };
+                const double q = at(found, quantity::deviatoric_stress);
+                compare(q, k == 51 && q == 8e4 // the first record of a constant run is valid
+                               ? 8e4
+                               : at(good, quantity::deviatoric_stress));
+                compare(at(found, quantity::volumetric_strain),
+                        at(good, quantity::volumetric_strain));
+                for (std::size_t r = 0; r < 8; ++r)
+                    compare(found.curves.ring(r)[k], good.curves.ring(r)[k]);
             }
             CHECK(rest_is_same);
             CHECK(left_out == fault.left_out);
@@ -494,7 +497,7 @@ TEST_SUITE("assimilation/live_test") {
         const Followed f;
         const auto test = f.follow(lines);
         REQUIRE(test->follow_to(0.004));
-        CHECK(test->so_far().measured.back().axial_strain == about(0.004));
+        CHECK(test->so_far().curves[quantity::axial_strain].back() == about(0.004));
         (void)test->follow_to(1);
         check_same(test->so_far(), recorded().read());
         CHECK(test->report().find("the machine: expected an axial strain near") !=
@@ -515,7 +518,7 @@ TEST_SUITE("assimilation/live_test") {
             const auto test = f.follow(lines);
             for (int k = 0; k <= 100; ++k) {
                 REQUIRE(test->follow_to(1e-4 * k));
-                CHECK(test->so_far().measured.size() == static_cast<std::size_t>(k + 1));
+                CHECK(test->so_far().curves.size() == static_cast<std::size_t>(k + 1));
             }
             (void)test->follow_to(1);
             check_same(test->so_far(), recorded().read());
@@ -606,7 +609,7 @@ TEST_SUITE("assimilation/live_test") {
         const Followed f;
         const auto test = f.follow(lines);
         CHECK_FALSE(test->follow_to(0.01));
-        CHECK(test->so_far().measured.size() == 1); // 0
+        CHECK(test->so_far().curves.size() == 1); // 0
         CHECK(test->report().find("is it in per cent?") != std::string::npos);
     }
 
@@ -622,9 +625,9 @@ TEST_SUITE("assimilation/live_test") {
         const Followed f;
         const auto test = f.follow(lines);
         REQUIRE(test->follow_to(0.008));
-        const auto measured = test->so_far().measured;
-        CHECK(std::ranges::count_if(measured, [](const TriaxialPoint& p) {
-                  return p.axial_strain > 0.0055 && p.axial_strain < 0.0065;
+        const RecordedTest measured = test->so_far();
+        CHECK(std::ranges::count_if(measured.curves[quantity::axial_strain], [](double strain) {
+                  return strain > 0.0055 && strain < 0.0065;
               }) > 0);
         CHECK(test->report().find("the machine continues at an axial strain of 0.0055") !=
               std::string::npos);

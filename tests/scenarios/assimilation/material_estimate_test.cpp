@@ -26,9 +26,10 @@ TestOfMaterial test_of(const SpecimenLibrary& library, std::size_t specimen, dou
     const LibraryTest& from = library.specimens[specimen].tests[1];
     for (std::size_t k = 0; k < library.axis.count; ++k) {
         if (library.axis.strain(k) > strain * (1 + 1e-9)) break;
-        test.measured.strain.push_back(library.axis.strain(k));
-        test.measured.q.push_back(double{from.q[k]});
-        test.measured.volumetric_strain.push_back(double{from.volume[k]});
+        const auto row = test.measured.add_row();
+        row[quantity::axial_strain] = library.axis.strain(k);
+        row[quantity::deviatoric_stress] = double{from.q[k]};
+        row[quantity::volumetric_strain] = double{from.volume[k]};
     }
     return test;
 }
@@ -47,7 +48,8 @@ TEST_SUITE("assimilation/material_estimate") {
             REQUIRE(e.tests.size() == 2);
             CHECK(e.tests[0].pressure == 55e3);
             const double q = double{truths.specimens[k].tests[0].q[60]};
-            const PredictedCurve& predicted = e.tests[0].predicted.q;
+            const TestCurves::Column& predicted =
+                e.tests[0].predicted.curves.column(quantity::deviatoric_stress);
             q_inside += predicted.low[60] < q && q < predicted.high[60] ? 1 : 0;
             CHECK(e.card.friction.value / friction == about(1).epsilon(0.5));
         }
@@ -75,7 +77,7 @@ TEST_SUITE("assimilation/material_estimate") {
         const SpecimenLibrary library = library_of(40);
         TestOfMaterial test = test_of(library, 3, 0.01);
         test.core_porosity = 0;
-        for (double& v : test.measured.volumetric_strain) v = std::nan("");
+        for (double& v : test.measured[quantity::volumetric_strain]) v = std::nan("");
         const MaterialEstimate e = estimate_material(library, test);
         CHECK_FALSE(e.used.volume);
         REQUIRE(e.further_tests.size() == 1 + 2 + 3 + 4); // volume, porosity, three strains, four
@@ -94,7 +96,7 @@ TEST_SUITE("assimilation/material_estimate") {
         const SpecimenLibrary library = library_of(40);
         TestOfMaterial test = test_of(library, 3, 0.01);
         const MaterialEstimate near = estimate_material(library, test);
-        for (double& q : test.measured.q) q *= 8;
+        for (double& q : test.measured[quantity::deviatoric_stress]) q *= 8;
         test.core_porosity = 0.5;
         const MaterialEstimate far = estimate_material(library, test);
         CHECK(near.notes.empty());
@@ -112,10 +114,11 @@ TEST_SUITE("assimilation/material_estimate") {
         CHECK(message(test_of(library, 0, 0.04)).empty());
         CHECK(message(test_of(library, 0, 0.001)).find("at least 0.003") != std::string::npos);
         TestOfMaterial test = test_of(library, 0, 0.04);
-        for (double& q : test.measured.q) q *= 1e-3;
+        for (double& q : test.measured[quantity::deviatoric_stress]) q *= 1e-3;
         CHECK(message(test).find("another unit?") != std::string::npos);
         test = test_of(library, 0, 0.04);
-        test.measured.q[10] = test.measured.q[11] = test.measured.q[12] = std::nan("");
+        for (std::size_t k = 10; k < 13; ++k)
+            test.measured[quantity::deviatoric_stress][k] = std::nan("");
         CHECK(message(test).find("gaps") != std::string::npos);
         test = test_of(library, 0, 0.04);
         test.pressure = 20e3;

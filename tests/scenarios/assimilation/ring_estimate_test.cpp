@@ -42,15 +42,15 @@ SpecimenLibrary leaning_library() {
 RecordedTest recorded(const SpecimenLibrary& library, const LibraryTest& like) {
     RecordedTest test;
     test.pressure = 110e3;
-    test.measured.resize(1);
-    test.measured[0].ring_radius = {0.1, 0.1};
+    const auto first = test.curves.add_row();
+    first[quantity::axial_strain] = first[quantity::volumetric_strain] = 0;
+    for (std::size_t r = 0; r < 2; ++r) first.part(quantity::ring_radius, r) = 0.1;
     for (std::size_t k = 0; k < 42; ++k) {
-        TriaxialPoint p;
-        p.axial_strain = library.axis.strain(k);
-        p.volumetric_strain = double{like.volume[k]};
+        const auto p = test.curves.add_row();
+        p[quantity::axial_strain] = library.axis.strain(k);
+        p[quantity::volumetric_strain] = double{like.volume[k]};
         for (std::size_t r = 0; r < 2; ++r)
-            p.ring_radius.push_back(0.1 * (1 + double{like.rings[2 * k + r]}));
-        test.measured.push_back(p);
+            p.part(quantity::ring_radius, r) = 0.1 * (1 + double{like.rings[2 * k + r]});
     }
     for (unsigned s = 0; s < 3; ++s) {
         Recording recording;
@@ -91,12 +91,12 @@ TEST_SUITE("assimilation/ring_estimate") {
             CHECK(rings.low[r] < rings.mean[r]);
             CHECK(rings.high[r] - rings.mean[r] == about(rings.mean[r] - rings.low[r]));
         }
-        const auto measured = ring_strains(test.measured, rings.strain);
+        const auto measured = ring_strains(test.curves, rings.strain);
         REQUIRE(measured.size() == 2);
         CHECK(ring_difference(rings.mean, measured) <
               0.5 * ring_difference(rings.scaled_mean, measured));
         CHECK(described(rings).find("volume and sensor rocks") != std::string::npos);
-        CHECK(ring_strains(test.measured, 0.05).empty());
+        CHECK(ring_strains(test.curves, 0.05).empty());
         CHECK(std::isnan(ring_difference(rings.mean, {})));
     }
 
@@ -109,7 +109,7 @@ TEST_SUITE("assimilation/ring_estimate") {
             const RingEstimate rings = estimate_rings(library, model, changed, 0.042);
             REQUIRE(rings.not_made.empty());
             CHECK(rings.without_sensors.find(reason) != std::string::npos);
-            const auto measured = ring_strains(changed.measured, 0.04);
+            const auto measured = ring_strains(changed.curves, 0.04);
             CHECK(ring_difference(rings.mean, measured) >
                   0.8 * ring_difference(rings.scaled_mean, measured));
         };
@@ -128,7 +128,7 @@ TEST_SUITE("assimilation/ring_estimate") {
         expect_volume_only(mirrored, "sensor 1 was displaced as none in the library");
 
         RecordedTest no_volume = test;
-        for (TriaxialPoint& p : no_volume.measured) p.volumetric_strain = std::nan("");
+        for (double& v : no_volume.curves[quantity::volumetric_strain]) v = std::nan("");
         CHECK(estimate_rings(library, model, no_volume, 0.042).not_made.find("volumetric") !=
               std::string::npos);
         CHECK(estimate_rings(library, model, test, 0.004).not_made.find("0.005") !=

@@ -19,11 +19,13 @@ namespace {
 ModelRun run_off_by(double off) {
     ModelRun run;
     for (int stage = 0; stage <= 80; ++stage) {
-        TriaxialPoint& p = run.points.emplace_back();
-        p.axial_strain = 1e-3 * stage;
-        p.deviatoric_stress = 1e5 + (stage > 10 ? off : 10 * off);
-        p.volumetric_strain = -p.axial_strain + (stage > 10 ? 1e-7 : 1e-6) * off;
-        p.ring_radius = {0.075, 0.075};
+        const auto p = run.curves.add_row();
+        for (const Quantity* q : quantity::of_stage) p[*q] = 0;
+        p[quantity::axial_strain] = 1e-3 * stage;
+        p[quantity::deviatoric_stress] = 1e5 + (stage > 10 ? off : 10 * off);
+        p[quantity::volumetric_strain] =
+            -p[quantity::axial_strain] + (stage > 10 ? 1e-7 : 1e-6) * off;
+        for (std::size_t r = 0; r < 2; ++r) p.part(quantity::ring_radius, r) = 0.075;
         run.displacement.push_back({});
         run.rotation.push_back({});
     }
@@ -38,7 +40,7 @@ struct Example {
     Example() {
         settings.library = &library;
         test.pressure = 110e3;
-        test.measured = run_off_by(0).points;
+        test.curves = MeasuredCurves(run_off_by(0).curves);
         computed.free = run_off_by(2e4);
         computed.running = {run_off_by(1e4)};
     }
@@ -47,19 +49,23 @@ struct Example {
         computed.library.not_used.clear();
         computed.members = {{3, 0.4}};
         for (std::size_t k = 0; k < library.axis.count; ++k) {
-            computed.library.strain.push_back(library.axis.strain(k));
             for (auto [to, off] : {std::pair{&computed.library.predicted, 4e3},
                                    std::pair{&computed.library.prior, 8e3}}) {
-                to->q.mean.push_back(1e5 + off);
-                to->q.low.push_back(1e5 + off - 1e3);
-                to->q.high.push_back(1e5 + off + 1e3);
-                for (auto* volume : {&to->volume.mean, &to->volume.low, &to->volume.high})
-                    volume->push_back(-library.axis.strain(k) + 1e-7 * off);
+                const auto row = to->curves.add_row();
+                row[quantity::axial_strain] = library.axis.strain(k);
+                row[quantity::deviatoric_stress] = 1e5 + off;
+                row[quantity::volumetric_strain] = -library.axis.strain(k) + 1e-7 * off;
+                for (const Quantity* shown :
+                     {&quantity::deviatoric_stress, &quantity::volumetric_strain}) {
+                    TestCurves::Column& c = to->curves.column(*shown);
+                    const double half = shown == &quantity::deviatoric_stress ? 1e3 : 0;
+                    c.low.push_back(c.values.back() - half);
+                    c.high.push_back(c.values.back() + half);
+                }
             }
         }
-        for (PredictedCurve* one :
-             {&computed.library.predicted.friction, &computed.library.predicted.stiffness})
-            one->mean = one->low = one->high = {0.7};
+        computed.library.predicted.friction =
+            computed.library.predicted.stiffness = {0.7, 0.7, 0.7};
     }
     double number(const std::string& key) const {
         Report summary;
@@ -82,7 +88,7 @@ TEST_SUITE("assimilation/smart_results") {
         CHECK(e.number("error_ratio_volumetric_strain_to_4_percent") == about(0.5).epsilon(1e-9));
         e.settings.last_strain = e.settings.learned_strain; // nothing lies beyond them
         for (ModelRun* run : {&e.computed.free, &e.computed.running[0]}) {
-            run->points.resize(11);
+            run->curves = run->curves.up_to(0.0101);
             run->displacement.resize(11);
         }
         CHECK(e.number("fused_rmse_q_Pa") == about(1e5).epsilon(1e-12));

@@ -2,6 +2,7 @@
 
 #include "engine/signal/attitude.hpp"
 #include "scenarios/assimilation/model_run.hpp"
+#include "scenarios/specimens/recorded_motion.hpp"
 
 #include <cmath>
 
@@ -17,12 +18,11 @@ inline ModelRun steady_run() {
             {Vec3(0.03 * s, 0.05, 0.1), exponential_map(Vec3(0.4 * s, 1, -0.3 * s))});
     }
     for (int stage = 0; stage <= 100; ++stage) {
-        TriaxialPoint p;
-        p.axial_strain = 1e-4 * stage;
-        p.deviatoric_stress = 1e5 * (1 - std::exp(-stage / 20.0));
-        p.volumetric_strain = -1e-5 * stage;
-        p.ring_radius.assign(8, 0.075 + 1e-6 * stage);
-        run.points.push_back(p);
+        const auto p = run.curves.add_row();
+        p[quantity::axial_strain] = 1e-4 * stage;
+        p[quantity::deviatoric_stress] = 1e5 * (1 - std::exp(-stage / 20.0));
+        p[quantity::volumetric_strain] = -1e-5 * stage;
+        for (std::size_t r = 0; r < 8; ++r) p.part(quantity::ring_radius, r) = 0.075 + 1e-6 * stage;
         run.displacement.emplace_back();
         run.rotation.emplace_back();
         for (int s = 0; s < 3; ++s) {
@@ -38,6 +38,11 @@ inline TriaxialScene scene_of(const ModelRun& run) {
     for (std::size_t s = 0; s < run.sensors; ++s)
         scene.poses.push_back({run.start[s].position, run.start[s].orientation});
     return scene;
+}
+
+/// Recordings of a run, in rocks that were placed where they are at its start.
+inline std::vector<Recording> placed(std::vector<Recording> recordings, const ModelRun& run) {
+    return with_poses(std::move(recordings), scene_of(run).specimen, scene_of(run).poses);
 }
 
 } // namespace bris::testing

@@ -4,7 +4,7 @@
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
 #include "tests/engine/io/encoded.hpp"
-#include "tests/scenarios/recordings/sheet.hpp"
+#include "tests/scenarios/records/sheet.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>

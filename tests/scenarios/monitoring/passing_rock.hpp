@@ -1,7 +1,7 @@
 #pragma once
 
 #include "scenarios/ballast_box/train.hpp"
-#include "scenarios/recordings/recorded_motion.hpp"
+#include "scenarios/specimens/recorded_motion.hpp"
 
 #include <algorithm>
 #include <cmath>

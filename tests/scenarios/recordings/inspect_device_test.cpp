@@ -1,5 +1,5 @@
 #include "engine/random.hpp"
-#include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/records/quality_control_report.hpp"
 
 #include <doctest/doctest.h>
 

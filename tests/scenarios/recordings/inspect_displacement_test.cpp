@@ -1,6 +1,6 @@
 #include "engine/random.hpp"
 #include "scenarios/recordings/inspection.hpp"
-#include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/records/quality_control_report.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/recordings/example_recordings.hpp"
 

@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/signal/imu.hpp"
-#include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/records/quality_control_report.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>

@@ -6,9 +6,9 @@
 #include "engine/io/column_map.hpp"
 #include "engine/io/hdf5.hpp"
 #include "engine/io/whole_file.hpp"
-#include "scenarios/recordings/bench_hdf5.hpp"
-#include "scenarios/recordings/guess_columns.hpp"
-#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/records/bench_hdf5.hpp"
+#include "scenarios/records/guess_columns.hpp"
+#include "scenarios/records/recorded_test.hpp"
 #include "tests/about.hpp"
 #include "tests/engine/io/foreign_text.hpp"
 #include "tests/scenarios/faults/process.hpp"
@@ -45,11 +45,12 @@ std::string foreign(const std::vector<Recording>& recordings) {
     return text;
 }
 
-std::string foreign_machine(const std::vector<TriaxialPoint>& points) {
+std::string foreign_machine(const TestCurves& curves) {
     std::string text = "Axial strain (%),q (kPa),Volumetric strain (%)\n";
-    for (const TriaxialPoint& p : points)
-        text += fmt::format("{:.9g},{:.9g},{:.9g}\n", 100 * p.axial_strain,
-                            1e-3 * p.deviatoric_stress, 100 * p.volumetric_strain);
+    for (std::size_t k = 0; k < curves.size(); ++k)
+        text += fmt::format("{:.9g},{:.9g},{:.9g}\n", 100 * curves[quantity::axial_strain][k],
+                            1e-3 * curves[quantity::deviatoric_stress][k],
+                            100 * curves[quantity::volumetric_strain][k]);
     return text;
 }
 
@@ -110,7 +111,7 @@ TEST_SUITE("recordings/recordings_scenario") {
         const auto infos = read_sensor_infos(example);
         const RecordedTest original = read_recorded_test(example, 55e3, infos, {});
         write_whole(folder / "export.csv", foreign(original.recordings));
-        write_whole(folder / "machine.csv", foreign_machine(original.measured));
+        write_whole(folder / "machine.csv", foreign_machine(original.curves));
         const std::string made = folder / "made";
         const Outcome outcome =
             run_process({"recordings", "--new", folder / "export.csv", "--new-machine",
@@ -148,8 +149,8 @@ TEST_SUITE("recordings/recordings_scenario") {
                 CHECK(std::abs(a.strain[k] - b.strain[k]) < 1e-9);
             }
         }
-        CHECK(back.measured.back().deviatoric_stress ==
-              about(original.measured.back().deviatoric_stress));
+        CHECK(back.curves[quantity::deviatoric_stress].back() ==
+              about(original.curves[quantity::deviatoric_stress].back()));
         CHECK(back.refused() == 0);
         // judged by one command, which finds the maps; and never overwritten
         const Outcome judged = run_process({"recordings", made, "--out", folder / "judged"});

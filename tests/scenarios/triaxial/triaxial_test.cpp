@@ -72,9 +72,9 @@ TEST_SUITE("triaxial/triaxial") {
             TriaxialTest test(simulation, short_test());
             while (test.advance()) {
             }
-            const auto& points = test.state().points;
-            REQUIRE(points.size() == 21);
-            const TriaxialProperties p = properties_of(points, pressure);
+            const TestCurves& curves = test.state().curves;
+            REQUIRE(curves.size() == 21);
+            const TriaxialProperties p = properties_of(curves, pressure);
             CHECK(p.worst_ring_error <= 0.01); // the criterion of a stage
 
             // a few tens of the unbalanced ratio, because branch vectors are long
@@ -84,8 +84,9 @@ TEST_SUITE("triaxial/triaxial") {
             CHECK(p.relative_energy_error <= 0.01);
             // at 0.2 % of strain a loose and tiny specimen is far from its peak
             CHECK(p.peak_q > 0.1 * pressure);
-            CHECK(points.back().axial_strain == about(0.002).epsilon(1e-9));
-            for (std::size_t k = 1; k < points.size(); ++k) CHECK(points[k].unbalanced <= 1e-3);
+            CHECK(curves[quantity::axial_strain].back() == about(0.002).epsilon(1e-9));
+            for (std::size_t k = 1; k < curves.size(); ++k)
+                CHECK(curves[quantity::unbalanced_ratio][k] <= 1e-3);
             const auto& materials = simulation.world().resource<Materials>();
             const std::uint32_t sensor = simulation.world().resource<Specimen>().sensor_material;
             CHECK(materials.list[sensor].friction ==
@@ -109,14 +110,14 @@ TEST_SUITE("triaxial/triaxial") {
             TriaxialTest test(simulation, settings);
             while (test.advance()) {
             }
-            const auto& points = test.state().points;
-            REQUIRE(points.size() == 11);
-            const TriaxialProperties p = properties_of(points, confining);
+            const TestCurves& curves = test.state().curves;
+            REQUIRE(curves.size() == 11);
+            const TriaxialProperties p = properties_of(curves, confining);
             CHECK(p.worst_ring_error <= 0.01);
             CHECK(p.worst_stress_mismatch <= 0.01);
             CHECK(p.relative_energy_error <= 0.01);
             if (bits != nullptr) *bits = fingerprint(simulation.snapshot());
-            return points[0].stored;
+            return curves[quantity::stored_energy][0];
         };
         std::uint64_t one = 0, two = 0;
         const double hertz = stored(true, 440e3, 1, &one) / stored(true, 55e3, 1),
@@ -276,9 +277,9 @@ TEST_SUITE("triaxial/triaxial") {
         // known from the beginning
         variant = {.rocks = {.friction = 0.3}, .learned = {{1e-3, {.friction = 0.7}}}};
         const ModelRun catches_up = run(variant);
-        for (std::size_t k = 0; k < truth.points.size(); ++k)
-            CHECK(catches_up.points[k].deviatoric_stress ==
-                  (k <= 10 ? free : truth).points[k].deviatoric_stress);
+        for (std::size_t k = 0; k < truth.curves.size(); ++k)
+            CHECK(catches_up.curves[quantity::deviatoric_stress][k] ==
+                  (k <= 10 ? free : truth).curves[quantity::deviatoric_stress][k]);
         CHECK(catches_up.steps > truth.steps);
     }
 
@@ -302,12 +303,13 @@ TEST_SUITE("triaxial/triaxial") {
             MESSAGE("work of corrections: ", r.fusion_work / r.boundary_work,
                     " of the boundaries' work");
             CHECK(std::abs(r.fusion_work) > 0.02 * r.boundary_work);
-            const TriaxialPoint &first = r.points.front(), &last = r.points.back();
-            const double checkpoint = last.stored + last.kinetic - first.stored - first.kinetic,
-                         lost = last.friction_work + last.damping_work - first.friction_work -
-                                first.damping_work;
-            const double work =
-                last.boundary_work + last.scaling_work - first.boundary_work - first.scaling_work;
+            const auto rise = [&](const Quantity& q) {
+                return r.curves[q].back() - r.curves[q].front();
+            };
+            using namespace quantity;
+            const double checkpoint = rise(stored_energy) + rise(kinetic_energy),
+                         lost = rise(friction_work) + rise(damping_work),
+                         work = rise(boundary_work) + rise(scaling_work);
             CHECK(std::abs(work + r.fusion_work - checkpoint - lost) <
                   5e-4 * work); // 1e-4 without corrections
         }
@@ -405,7 +407,7 @@ TEST_SUITE("triaxial/triaxial") {
             unsigned run_again = 0;
             const ModelWatch watch{.progress = [&](const PhaseProgress&) { ++run_again; }};
             CHECK(run_model(scene, short_test(), specimen, variant, watch, &checkpoint)
-                      .points.size() == 21);
+                      .curves.size() == 21);
             CHECK(run_again == 0);
             variant.rocks.friction = 0.41;
             CHECK_FALSE(

@@ -1,0 +1,278 @@
+#include "scenarios/records/new_recordings.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/column_map.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/signal/median.hpp"
+#include "scenarios/records/guess_columns.hpp"
+#include "scenarios/records/recorded_test.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <system_error>
+
+namespace bris {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Files that one call writes. If it fails they are removed, so that the next one begins again.
+class NewFiles {
+public:
+    NewFiles() = default;
+    NewFiles(const NewFiles&) = delete;
+    ~NewFiles() {
+        std::error_code error;
+        for (const fs::path& file : files_) {
+            fs::remove(file, error);
+            fs::remove(file.parent_path(), error); // if it is empty
+        }
+    }
+    /// Throws InputError if the file is there already.
+    const fs::path& add(const fs::path& file) {
+        require(
+            !fs::exists(file),
+            fmt::format("--new: expected a folder without recordings, found '{}'", file.string()));
+        return files_.emplace_back(file);
+    }
+    void keep() { files_.clear(); }
+    void leave(const fs::path& file) { std::erase(files_, file); }
+
+private:
+    std::vector<fs::path> files_;
+};
+
+/// The form of a file, and what is known about the file besides.
+struct FoundForm {
+    CsvForm form;
+    double rate = 0;         ///< Hz, that the file states; 0: none
+    bool is_guessed = false; ///< now; otherwise by a map that was there
+};
+
+/// Throws InputError unless the guess has the columns that are needed, and one that is measured.
+void require_columns(const fs::path& csv, const std::vector<KnownColumn>& known,
+                     const GuessedMap& guess) {
+    const auto is_found = [&](const std::string& name) {
+        return std::ranges::count(guess.found, name) > 0;
+    };
+    std::vector<std::string> missing;
+    for (const KnownColumn& column : known)
+        if (column.needed && !is_found(column.name)) missing.push_back(column.name);
+    const bool of_sensors = known.front().name == "t";
+    const std::string advice = of_sensors && std::ranges::count(missing, "id") > 0
+                                   ? "; add what is missing, id with a number for each sensor"
+                                   : "; add what is missing, or write a column map by hand";
+    require(missing.empty(),
+            fmt::format("{}: expected a column that looks like {}, found none "
+                        "among {}{}",
+                        csv.string(), listed(missing), listed(guess.titles), advice));
+    const bool has_linear = std::ranges::any_of(guess.titles, [](const std::string& title) {
+        return title.find("inear") != std::string::npos;
+    });
+    require(
+        !of_sensors || std::ranges::any_of(guess.found,
+                                           [](const std::string& name) {
+                                               return name == "ax" || name == "gx" ||
+                                                      name == "mx" || name == "ux" || name == "qw";
+                                           }),
+        fmt::format("{}: expected columns that look like ax ay az, gx gy gz, mx my mz, ux uy "
+                    "uz or qw qx qy qz, found none among {}{}",
+                    csv.string(), listed(guess.titles),
+                    has_linear ? "; linear acceleration lacks gravity: export acceleration with it"
+                               : "; rename them, or write a column map by hand"));
+}
+
+/// The form of the file by the map that is there, which somebody may have corrected, or else by one
+/// that is guessed and written. Throws InputError if a needed column is missing, or a unit has to
+/// be given: then the map is kept to be edited.
+FoundForm form_of(const fs::path& csv, const std::vector<KnownColumn>& known, const fs::path& map,
+                  const FileEvidence& evidence, NewFiles& files, std::string& text) {
+    text += fmt::format("{}:\n", csv.filename().string());
+    if (fs::exists(map)) {
+        text += fmt::format("  The columns are those of {}, which is kept.\n", map.string());
+        return {read_column_map(map, known)};
+    }
+    const GuessedMap guess = guess_columns(csv, known, evidence);
+    for (const std::string& note : guess.notes) text += "  " + note + "\n";
+    require_columns(csv, known, guess);
+    const std::string content = fmt::format("# Guessed from {}: check names, units and signs.\n{}",
+                                            csv.filename().string(), guess.map);
+    if (!guess.open.empty()) {
+        write_whole(map, content);
+        throw InputError(fmt::format("{}: expected a unit for each column, found none for {}; give "
+                                     "them in {} in place of \"?\"",
+                                     csv.string(), listed(guess.open), map.string()));
+    }
+    write_whole(files.add(map), content);
+    return {read_column_map(map, known), guess.rate, true};
+}
+
+/// Hz, by the times. Throws InputError if they do not advance as those of a sensor do.
+double rate_of(const fs::path& csv, const Recording& recording) {
+    constexpr double most = 1e6; // Hz
+    std::vector<double> intervals;
+    for (std::size_t k = 1; k < recording.size(); ++k)
+        if (const double interval = recording.time[k] - recording.time[k - 1];
+            std::isfinite(interval))
+            intervals.push_back(interval);
+    const double interval = intervals.empty() ? 0 : median(std::move(intervals));
+    require(interval > 1 / most,
+            fmt::format("{}: sensor {}: expected times that advance by more than {:g} s, found {}",
+                        csv.string(), recording.info.id, 1 / most,
+                        recording.size() < 2 ? "fewer than two"
+                                             : fmt::format("intervals of {:g} s", interval)));
+    return 1 / interval;
+}
+
+/// Median of the first samples of the specific force; zero: none.
+Vec3 first_force(const Recording& recording) {
+    const std::size_t count = std::min<std::size_t>(recording.force.size(), 100);
+    if (count == 0) return Vec3::Zero();
+    return median(std::vector<Vec3>(recording.force.begin(),
+                                    recording.force.begin() + static_cast<std::ptrdiff_t>(count)));
+}
+
+/// Metadata of a sensor as far as its samples show them.
+SensorInfo info_of(const fs::path& csv, const Recording& recording) {
+    SensorInfo info = recording.info;
+    info.sampling_rate = rate_of(csv, recording);
+    for (const Quat& q : recording.attitude)
+        if (std::abs(q.norm() - 1) < 1e-3) {
+            info.set_pose(info.position(), q);
+            return info;
+        }
+    if (const Vec3 up = first_force(recording); up.allFinite() && up.norm() > 0)
+        info.set_pose(info.position(), Quat::FromTwoVectors(up, Vec3::UnitZ()));
+    return info;
+}
+
+/// What contradicts the units, a sentence a line: gravity, the rate that the file states, and the
+/// clock of the machine.
+std::string doubts(const std::vector<Recording>& recordings, double stated_rate,
+                   const FileEvidence& evidence) {
+    std::string text;
+    for (const Recording& r : recordings) {
+        if (r.size() < 2) continue;
+        const double force = first_force(r).norm(), span = r.time.back() - r.time.front(),
+                     rate = static_cast<double>(r.size() - 1) / span;
+        const auto doubt = [&](const std::string& what) {
+            text += fmt::format("  Check the units: sensor {}: {}.\n", r.info.id, what);
+        };
+        if (!r.force.empty() && std::abs(force / standard_gravity - 1) > 0.3)
+            doubt(
+                fmt::format("the acceleration at the beginning is {:.3g} m/s2, that of gravity is "
+                            "9.81, which an accelerometer at rest shows",
+                            force));
+        if (stated_rate > 0 && (rate < 0.5 * stated_rate || rate > 2 * stated_rate))
+            doubt(fmt::format("{:.4g} samples a second by the times, {:g} by the file", rate,
+                              stated_rate));
+        if (evidence.duration > 0 &&
+            (span < 0.2 * evidence.duration || span > 5 * evidence.duration))
+            doubt(fmt::format("{:.4g} s by its times, {:.4g} s by the machine", span,
+                              evidence.duration));
+    }
+    return text;
+}
+
+/// Reads the machine's file, for what it shows about the sensors.
+void add_evidence(const fs::path& csv, const CsvForm& form, FileEvidence& evidence) {
+    const CsvTable table = read_csv(csv, form);
+    const auto finite = [&](const char* name) {
+        std::vector<double> numbers = table.column(name);
+        std::erase_if(numbers, [](double x) { return !std::isfinite(x); });
+        return numbers;
+    };
+    if (const auto strain = finite("axial_strain"); !strain.empty())
+        evidence.final_strain = std::ranges::max(strain);
+    if (!table.has("t")) return;
+    if (const auto t = finite("t"); !t.empty())
+        evidence.duration = std::ranges::max(t) - std::ranges::min(t);
+}
+
+/// Whether all recordings have attitudes.
+bool from_samples(const std::vector<Recording>& recordings) {
+    return std::ranges::none_of(recordings, [](const Recording& r) { return r.attitude.empty(); });
+}
+
+/// One metadata entry for each id in the file.
+std::vector<SensorInfo> infos_in(const fs::path& csv, const CsvForm& form) {
+    std::set<unsigned> ids;
+    CsvForm only_id = form;
+    std::erase_if(only_id.columns, [](const CsvColumn& c) { return c.ours != "id"; });
+    const CsvTable table = read_csv(csv, only_id);
+    const auto numbers = table.column("id");
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+        require(is_count(numbers[k]) && numbers[k] < 1e6,
+                fmt::format("{}:{}: id: expected a whole number below 1e6, found {}", csv.string(),
+                            table.lines[k], numbers[k]));
+        ids.insert(static_cast<unsigned>(numbers[k]));
+    }
+    std::vector<SensorInfo> infos;
+    for (const unsigned id : ids) {
+        SensorInfo info;
+        info.id = id;
+        infos.push_back(info);
+    }
+    return infos;
+}
+
+} // namespace
+
+std::string write_new_recordings(const NewRecordings& s) {
+    const fs::path of_test = s.folder / folder_of(s.pressure), csv = of_test / "recordings.csv";
+    std::string text, machine;
+    NewFiles files;
+    files.add(csv);
+    if (!s.machine.empty()) files.add(of_test / "test.csv");
+    const fs::path map = s.folder / "columns.txt", machine_map = s.folder / "machine_columns.txt";
+    FileEvidence evidence{.pressure = s.pressure};
+    if (!s.machine.empty())
+        add_evidence(
+            s.machine,
+            form_of(s.machine, machine_columns(), machine_map, evidence, files, machine).form,
+            evidence);
+    const FoundForm found = form_of(s.sensors, recording_columns(), map, evidence, files, text);
+    std::size_t there = 0; // somebody may have completed them
+    std::vector<Recording> recordings;
+    try {
+        recordings = read_recordings(s.sensors, infos_in(s.sensors, found.form), found.form);
+        for (const Recording& r : recordings) {
+            const fs::path file = s.folder / fmt::format("rock_{:02}.txt", r.info.id);
+            if (fs::exists(file))
+                ++there;
+            else
+                write_sensor_info(files.add(file), info_of(s.sensors, r));
+        }
+    } catch (const InputError& e) {
+        if (!found.is_guessed) throw;
+        files.leave(map);
+        throw InputError(fmt::format("{}; the columns are guessed, and {} is kept to be corrected",
+                                     e.what(), map.string()));
+    }
+    text += doubts(recordings, found.rate, evidence);
+    write_whole(csv, read_whole(s.sensors));
+    if (!s.machine.empty()) write_whole(of_test / "test.csv", read_whole(s.machine));
+    files.keep();
+    if (there > 0)
+        text += fmt::format("{} files rock_NN.txt were there already, and are kept.\n", there);
+    text +=
+        fmt::format("{} sensors; sampling rates are from the times, attitudes at the start "
+                    "{}.\n{}",
+                    recordings.size(),
+                    from_samples(recordings) ? "from qw qx qy qz in the first sample"
+                                             : "from the direction of gravity in the first samples",
+                    machine);
+    text += fmt::format(
+        "Still to be given in {}: rock_NN.txt: positions x y z, yaw, and the noise "
+        "of your sensors; columns.txt: what is wrong in it{}.\n",
+        s.folder.string(),
+        s.machine.empty()
+            ? fmt::format("; {}/test.csv, the records of the test machine", folder_of(s.pressure))
+            : "");
+    return text;
+}
+
+} // namespace bris
