@@ -261,7 +261,6 @@ TEST_SUITE("scenarios/command_line") {
                           nothing = (folder / "nothing").string();
         std::vector<Command> commands{
             {"collide", {"--offset", "1.9", "--model-offset", "1"}},
-            {"verify", {"--restitution", "0.01", "--steps-per-contact", "1.01"}},
             {"settle", {"--duration", "1e-12"}},
             {"silo", {"--window", "2,1"}},
             {"silo", {"--bed", garbage}},
@@ -350,6 +349,8 @@ TEST_SUITE("scenarios/command_line") {
               Command{"monitor", {"--segment", "77"}},
               Command{"monitor", {"--band-low", "90", "--band-high", "80"}}})
             check_refusal(command, outcome_of(command), 2, command.flags.front());
+        const Command impact{"verify", {"--restitution", "0.01", "--steps-per-contact", "1.01"}};
+        check_refusal(impact, outcome_of(impact), 2, "steps per contact are not enough");
         // at half of the sampling rate of the synthetic recordings, which are written first
         const Outcome beyond = outcome_of({"monitor",
                                            {"--band-low", "150", "--band-high", "200",

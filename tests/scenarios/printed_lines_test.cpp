@@ -48,7 +48,7 @@ std::ptrdiff_t lines_in(const std::string& text) { return std::ranges::count(tex
 /// How often a source prints to stdout.
 std::size_t prints_in(const std::string& source) {
     std::size_t count = 0;
-    for (const char* call : {"fmt::print(", "std::cout", "std::printf", "std::puts", "std::fwrite"})
+    for (const char* call : {"fmt::print(", "std::cout", "std::printf", "std::puts", ", stdout"})
         for (auto at = source.find(call); at != std::string::npos; at = source.find(call, at + 1))
             ++count;
     return count;
