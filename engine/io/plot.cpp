@@ -74,7 +74,7 @@ double bottom_margin(const Plot& plot) {
         ++entries;
         longest = std::max(longest, curve.label.size());
     }
-    constexpr std::size_t width = 70, sample = 9; // characters
+    constexpr std::size_t width = 60, sample = 9; // characters, as gnuplot counts them
     const std::size_t columns = std::max<std::size_t>(1, width / (longest + sample));
     const std::size_t rows = (entries + columns - 1) / columns;
     return 6.2 + 1.1 * static_cast<double>(rows > 2 ? rows - 2 : 0);
