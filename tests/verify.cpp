@@ -89,7 +89,7 @@ void run(const Verify& settings, const Common& common) {
     Report results;
     add_checks(results, checks);
     results.show({"checks", "failing"});
-    results.show_sentence(table_of(closest_to_tolerance(checks, 12)));
+    results.show_sentence(table_of(closest_to_tolerance(checks, 9)));
     results.show_sentence("All numbers with their exact values and tolerances are in " +
                           (common.out / "verification.csv").string() + ".");
     report_results(common, results);

@@ -9,7 +9,6 @@ namespace bris {
 
 namespace {
 
-constexpr double tick = 600;            // s, between updates of the energy of a host
 constexpr double restart_charge = 0.05; // of its battery, from which a host works again
 
 /// Integral of max(0, sin) of the time of day: J per W of peak, since midnight of the first day.

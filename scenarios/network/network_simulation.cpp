@@ -4,12 +4,6 @@
 
 namespace bris {
 
-namespace {
-
-constexpr double tick = 600; // s, between updates of the energy of a host
-
-} // namespace
-
 NetworkSimulation::NetworkSimulation(const NetworkSettings& settings, const Truth& truth,
                                      std::uint64_t seed)
     : settings_(settings), truth_(truth), seed_(seed) {

@@ -175,6 +175,8 @@ private:
     bool is_rock_link(std::uint32_t link) const { return link < settings_.rocks; }
     std::uint32_t host_of_link(std::uint32_t link) const;
 
+    static constexpr double tick = 600; // s, between updates of the energy of a host
+
     NetworkSettings settings_;
     const Truth& truth_;
     std::uint64_t seed_;

@@ -14,6 +14,6 @@ Curve curve_of(const std::string& label, const TestCurves& curves, const Quantit
 
 /// A predicted quantity in this way, with the ends of its band in the same colour.
 std::vector<Curve> curves_with_band(const TestCurves& curves, const Quantity& quantity,
-                                    const std::string& label = "library, 90 % band");
+                                    const std::string& label = "library (dashed: 90 % band)");
 
 } // namespace bris
