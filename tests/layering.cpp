@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -99,6 +100,30 @@ bool may_include_suite(const std::string& file, const std::string& target) {
     return is_shared ? file.ends_with("_test.cpp") : room(file) == room(target);
 }
 
+/// engine/io, signal and estimation stand on what is basic in engine/, and do not include each
+/// other; what directs a run stands on engine/io. The exceptions are named.
+bool may_include_engine(const std::string& file, const std::string& target) {
+    static const std::set<std::string> basic{
+        "engine/archive.hpp",     "engine/child_program.hpp", "engine/errors.hpp",
+        "engine/interrupt.hpp",   "engine/math.hpp",          "engine/message.hpp",
+        "engine/named_value.hpp", "engine/options.hpp",       "engine/printable.hpp",
+        "engine/random.hpp",      "engine/ranks.hpp",         "engine/stopwatch.hpp",
+        "engine/version.hpp"};
+    static const std::set<std::string> of_the_run{"engine/options.cpp", "engine/resume.hpp",
+                                                  "engine/summary.cpp"};
+    static const std::set<std::pair<std::string, std::string>> exceptions{
+        {"engine/estimation/inertial_filter.hpp", "engine/signal/attitude.hpp"},
+        {"engine/signal/imu.hpp", "engine/estimation/inertial_filter.hpp"},
+        {"engine/signal/spectrum.cpp", "engine/estimation/chi_squared.hpp"}};
+    const auto part = [](const std::string& path) {
+        return std::ranges::count(path, '/') == 1 ? std::string() : room(path);
+    };
+    if (!within(file, "engine") || part(file) == part(target)) return true;
+    if (part(target).empty()) return basic.contains(target);
+    if (part(file).empty()) return part(target) == "io" && of_the_run.contains(file);
+    return exceptions.contains({file, target});
+}
+
 bool may_include_house(const std::string& file, const std::string& target) {
     static const std::set<std::string> for_components{
         "engine/archive.hpp", "engine/clock.hpp",
@@ -106,7 +131,8 @@ bool may_include_house(const std::string& file, const std::string& target) {
         "engine/math.hpp",    "engine/component.hpp",
         "engine/lanes.hpp",   "engine/signal/true_motion.hpp"};
     if (within(target, "engine"))
-        return !within(file, "components") || for_components.contains(target);
+        return may_include_engine(file, target) &&
+               (!within(file, "components") || for_components.contains(target));
     if (within(target, "components")) return !within(file, "engine");
     if (within(target, "systems")) return may_include_system(file, target);
     if (within(target, "scenarios"))
@@ -193,6 +219,11 @@ TEST_SUITE("layering") {
         CHECK_FALSE(may_include_house("systems/contact/a.cpp", "systems/steps.hpp"));
         CHECK_FALSE(may_include_house("systems/steps.cpp", "scenarios/specimens/scene.hpp"));
         CHECK_FALSE(may_include_house("engine/world.cpp", "components/body.hpp"));
+        CHECK(may_include_house("engine/io/csv.cpp", "engine/errors.hpp"));
+        CHECK(may_include_house("engine/summary.cpp", "engine/io/whole_file.hpp"));
+        CHECK_FALSE(may_include_house("engine/world.cpp", "engine/io/csv.hpp"));
+        CHECK_FALSE(may_include_house("engine/io/csv.cpp", "engine/simulation.hpp"));
+        CHECK_FALSE(may_include_house("engine/io/csv.cpp", "engine/signal/fft.hpp"));
         CHECK_FALSE(may_include_house("components/body.hpp", "engine/world.hpp"));
         CHECK_FALSE(may_include_house("systems/guard.cpp", "tests/support.hpp"));
         CHECK_FALSE(may_include_house("systems/contact/a.cpp", "collide.hpp"));
