@@ -42,6 +42,7 @@ bool runs() {
 }
 
 unsigned sharing_this_machine = 1;
+bool file_since_meeting = false;
 
 // What ranks say of their end, apart from the messages for which the others may still wait.
 MPI_Comm ending = MPI_COMM_NULL;
@@ -147,8 +148,20 @@ void Ranks::pass(std::span<const Message> send, std::span<const Message> receive
     wait_for(requests);
 }
 
+bool Ranks::writes() {
+    file_since_meeting = true;
+    return is_first();
+}
+
 void Ranks::meet() {
-    if (runs()) all_come(MPI_COMM_WORLD, std::chrono::steady_clock::duration::max());
+    if (!std::exchange(file_since_meeting, false) || !runs()) return;
+    if (!is_first()) {
+        all_come(MPI_COMM_WORLD, std::chrono::steady_clock::duration::max());
+        return;
+    }
+    std::vector<MPI_Request> request(1); // nothing keeps the others
+    MPI_Ibarrier(MPI_COMM_WORLD, request.data());
+    wait_for(request);
 }
 
 std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) {
@@ -213,6 +226,7 @@ void Ranks::sum(std::span<std::int64_t>) {}
 void Ranks::sum(std::span<double>) {}
 void Ranks::largest(std::span<double>) {}
 void Ranks::pass(std::span<const Message>, std::span<const Message>) {}
+bool Ranks::writes() { return true; }
 void Ranks::meet() {}
 std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) { return to; }
 RanksOfProgram::RanksOfProgram() = default;

@@ -37,8 +37,12 @@ public:
     /// What every rank gives, by rank, on all ranks.
     static std::vector<Bytes> share(const Bytes& here);
 
-    /// Waits until all ranks are here, however long one of them writes to a slow disk. (Waiting for
-    /// a message has an end: a rank that does not answer within 45 s has hung or is lost.)
+    /// Whether this process writes the files of the run, which only the first rank does. Every
+    /// writer asks on all ranks, so that the others know at `meet` that they may have to wait.
+    static bool writes();
+    /// Waits for the first rank if files have been written since the last meeting, however long
+    /// its disk takes. (Waiting for a message has an end: a rank that does not answer within 45 s
+    /// has hung or is lost.)
     static void meet();
 
     /// A message whose length both sides know.

@@ -41,7 +41,9 @@ void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgre
     const std::string hint = "continue with " + steps.resume_hint;
     if (steps.save) saves.emplace(hint);
     try {
+        Ranks::meet(); // whatever was written since the last message
         while (steps.advance()) {
+            Ranks::meet();
             advanced = true;
             report(steps.progress());
             if (Ranks::any(interrupted())) {

@@ -86,14 +86,6 @@ void join_ranks(Common& common) {
     if (Ranks::size() == 1) std::exit(start_ranks(common.ranks, common.arguments));
     if (Ranks::is_first()) return;
     common.quiet = true;
-    std::string folder = (std::filesystem::temp_directory_path() / "bris-rank-XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr)
-        throw OutputError(fmt::format("cannot create directory '{}'", folder));
-    common.out = folder;
-    static const Cleanup cleanup([folder] {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder, ignored);
-    });
     if (std::freopen("/dev/null", "w", stdout) == nullptr)
         throw OutputError("cannot open /dev/null");
 }
@@ -220,6 +212,7 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
 }
 
 void run_in_folder(const std::filesystem::path& folder, const std::function<void()>& body) {
+    if (!Ranks::writes()) return body();
     std::error_code error;
     std::vector<std::filesystem::path> made; // innermost first
     for (auto path = folder; !path.empty() && !std::filesystem::exists(path, error);
@@ -230,9 +223,8 @@ void run_in_folder(const std::filesystem::path& folder, const std::function<void
         throw OutputError(
             fmt::format("cannot create directory '{}': {}", folder.string(), error.message()));
     const FolderInUse in_use(folder);
-    const auto remove_if_empty = [folder, made = std::move(made), first = Ranks::is_first()] {
+    const auto remove_if_empty = [made = std::move(made)] {
         std::error_code ignored;
-        if (!first) std::filesystem::remove_all(folder, ignored); // see join_ranks
         for (const auto& path : made) std::filesystem::remove(path, ignored);
     };
     const Cleanup cleanup(remove_if_empty);

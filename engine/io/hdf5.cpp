@@ -1,7 +1,7 @@
 #include "engine/io/hdf5.hpp"
 
 #include "engine/errors.hpp"
-#include "engine/io/whole_file.hpp"
+#include "engine/ranks.hpp"
 
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -185,12 +185,13 @@ Hdf5File::Hdf5File(std::filesystem::path path, std::int64_t file, bool writes)
 
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept
     : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)), writes_(other.writes_),
-      failed_(other.failed_) {}
+      discards_(other.discards_), failed_(other.failed_) {}
 
 Hdf5File& Hdf5File::operator=(Hdf5File&& other) noexcept {
     std::swap(path_, other.path_);
     std::swap(file_, other.file_);
     std::swap(writes_, other.writes_);
+    std::swap(discards_, other.discards_);
     std::swap(failed_, other.failed_);
     return *this;
 }
@@ -199,7 +200,7 @@ Hdf5File::~Hdf5File() {
     const Alone alone;
     // To close a file is to write what is in the buffers of the library: after a failure this would
     // destroy what is complete. The file then stays open until the process ends.
-    if (is_open()) H5Fclose(file_);
+    if (is_open() && !discards_) H5Fclose(file_);
 }
 
 void Hdf5File::fail(const std::string& doing, const std::string& object) const {
@@ -220,6 +221,11 @@ void Hdf5File::initialise() {
 }
 
 Hdf5File Hdf5File::create(const std::filesystem::path& name) {
+    if (!Ranks::writes()) {
+        Hdf5File nothing(name, -1, true);
+        nothing.discards_ = true;
+        return nothing;
+    }
     const std::filesystem::path path = file_to_write(name);
     const Alone alone;
     std::error_code error;
@@ -252,6 +258,7 @@ void Hdf5File::close() {
     const Alone alone;
     if (!is_open()) return;
     flush();
+    if (std::exchange(discards_, false)) return;
     const int descriptor = writes_ ? dup(descriptor_of(file_)) : -1;
     const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
     if (descriptor >= 0) cut_to_size(descriptor);
@@ -259,6 +266,7 @@ void Hdf5File::close() {
 }
 
 void Hdf5File::flush() {
+    if (writes_ && !Ranks::writes()) return;
     const Alone alone;
     if (const int error = reserve(file_); error != 0) fail("write", "", std::strerror(error));
     if (H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0) return;
@@ -313,6 +321,7 @@ std::vector<std::string> Hdf5File::attribute_names(const std::string& object) co
 }
 
 void Hdf5File::make_group(const std::string& group) {
+    if (discards_) return;
     const Alone alone;
     if (group == "/" || has(group)) return;
     const Properties parents(with_parents());
@@ -321,6 +330,7 @@ void Hdf5File::make_group(const std::string& group) {
 }
 
 void Hdf5File::remove(const std::string& object) {
+    if (discards_) return;
     const Alone alone;
     if (H5Ldelete(file_, object.c_str(), H5P_DEFAULT) < 0) fail("remove", object);
 }
@@ -344,6 +354,7 @@ std::int64_t Hdf5File::type_of(Kind kind) {
 
 void Hdf5File::write(const std::string& dataset, Kind kind, const void* values, std::size_t count,
                      const Shape& shape) {
+    if (discards_) return;
     const Alone alone;
     const auto extent = dimensions(shape);
     if (product(extent) != count)
@@ -360,6 +371,7 @@ void Hdf5File::write(const std::string& dataset, Kind kind, const void* values, 
 
 void Hdf5File::make_growing(const std::string& dataset, Kind kind, const Shape& row,
                             std::uint64_t rows_per_chunk) {
+    if (discards_) return;
     const Alone alone;
     std::vector<hsize_t> extent{0}, most{H5S_UNLIMITED};
     std::vector<hsize_t> chunk{std::max<hsize_t>(rows_per_chunk, 1)};
@@ -379,6 +391,7 @@ void Hdf5File::make_growing(const std::string& dataset, Kind kind, const Shape& 
 
 void Hdf5File::append(const std::string& dataset, Kind kind, const void* values,
                       std::size_t number) {
+    if (discards_) return;
     const Alone alone;
     Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
     if (opened < 0) fail("open", dataset);
@@ -424,6 +437,20 @@ void Hdf5File::read(const std::string& dataset, Kind kind, void* values) const {
         fail("read", dataset);
 }
 
+void Hdf5File::require_count(const std::string& dataset, std::size_t values) const {
+    if (const std::size_t found = count(dataset, 1); found != values)
+        throw OutputError(fmt::format("cannot read {} in '{}': expected {} values, found {}",
+                                      dataset, path_.string(), values, found));
+}
+
+FileRange Hdf5File::range_of(const std::string& dataset) const {
+    const Alone alone;
+    const Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", dataset);
+    const haddr_t first = H5Dget_offset(opened);
+    return first == HADDR_UNDEF ? FileRange{} : FileRange{first, H5Dget_storage_size(opened)};
+}
+
 Hdf5File::Shape Hdf5File::shape(const std::string& dataset) const {
     const Alone alone;
     const Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
@@ -456,6 +483,7 @@ std::string attribute_path(const std::string& object, const std::string& name) {
 
 void Hdf5File::set_attribute(const std::string& object, const std::string& name, Kind kind,
                              const void* values, const Shape& shape) {
+    if (discards_) return;
     const Alone alone;
     const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
     const auto extent = dimensions(shape);
@@ -467,6 +495,7 @@ void Hdf5File::set_attribute(const std::string& object, const std::string& name,
 
 void Hdf5File::set_attribute(const std::string& object, const std::string& name,
                              const std::string& value) {
+    if (discards_) return;
     const Alone alone;
     const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
     const Space space(H5Screate(H5S_SCALAR));

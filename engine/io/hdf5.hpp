@@ -1,5 +1,7 @@
 #pragma once
 
+#include "engine/io/whole_file.hpp"
+
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
@@ -26,7 +28,9 @@ public:
 
     /// Loads the tables of the library (1 ms), which a child process has then as well.
     static void initialise();
-    /// Creates a file, replacing an old one, and its directory if necessary.
+    /// Creates a file, replacing an old one, and its directory if necessary. On other ranks than
+    /// the first one, which alone writes (Ranks::writes), there is no file, and what is written
+    /// into it is dropped.
     static Hdf5File create(const std::filesystem::path& path);
     static Hdf5File open(const std::filesystem::path& path);          ///< for reading
     static Hdf5File open_to_write(const std::filesystem::path& path); ///< for reading and writing
@@ -36,7 +40,8 @@ public:
     /// Closes the file. An error is lost here, so writers call close().
     ~Hdf5File();
     void close();
-    bool is_open() const { return file_ >= 0 && !failed_; } ///< false after a failure to write
+    /// False after a failure to write.
+    bool is_open() const { return discards_ || (file_ >= 0 && !failed_); }
     void flush(); ///< passes all data to the operating system
 
     const std::filesystem::path& path() const { return path_; }
@@ -77,7 +82,16 @@ public:
         read(dataset, kind_of<T>(), values.data());
         return values;
     }
+    /// The same into memory for as many values. Throws OutputError if the dataset has another
+    /// number.
+    template <Hdf5Number T>
+    void read_into(const std::string& dataset, std::span<T> values) const {
+        require_count(dataset, values.size());
+        read(dataset, kind_of<T>(), values.data());
+    }
     Shape shape(const std::string& dataset) const; ///< empty: a scalar
+    /// Where the values of a dataset of fixed shape are in the file; no bytes if it has no values.
+    FileRange range_of(const std::string& dataset) const;
 
     /// Sets an attribute of a group or dataset, replacing an earlier value.
     template <Hdf5Number T>
@@ -129,6 +143,7 @@ private:
                       std::uint64_t rows_per_chunk);
     void append(const std::string& dataset, Kind kind, const void* values, std::size_t count);
     std::size_t count(const std::string& dataset, std::size_t bytes_each) const;
+    void require_count(const std::string& dataset, std::size_t values) const;
     void read(const std::string& dataset, Kind kind, void* values) const;
     void set_attribute(const std::string& object, const std::string& name, Kind kind,
                        const void* values, const Shape& shape);
@@ -138,7 +153,7 @@ private:
 
     std::filesystem::path path_;
     std::int64_t file_ = -1; ///< the library's handle; negative when closed
-    bool writes_ = false;
+    bool writes_ = false, discards_ = false;
     mutable bool failed_ = false; ///< a call has failed on a file that is being written
 };
 

@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/encoding.hpp"
 #include "engine/io/unfinished_file.hpp"
+#include "engine/ranks.hpp"
 
 #include <fmt/format.h>
 
@@ -99,6 +100,7 @@ std::string read_text(const std::filesystem::path& path) {
 }
 
 void write_whole(const std::filesystem::path& name, std::string_view content) {
+    if (!Ranks::writes()) return;
     UnfinishedFile unfinished(name);
     File file(std::fopen(unfinished.path().c_str(), "wb"));
     if (!file) fail("write", name, errno);

@@ -1,10 +1,16 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 namespace bris {
+
+/// Bytes of a file.
+struct FileRange {
+    std::uint64_t first = 0, bytes = 0;
+};
 
 /// Throws OutputError if `path` is there and is something else than a file: a folder, a pipe (whose
 /// opening would wait for a writer), a socket or a device. Every reader of a file calls it before
@@ -28,8 +34,8 @@ std::string_view without_mark(std::string_view text);
 std::string read_text(const std::filesystem::path& path);
 
 /// Writes `content` under a temporary name and renames it to `path`, so that a reader finds either
-/// the old file or the complete new one, also after a crash. Creates missing directories. Throws
-/// OutputError.
+/// the old file or the complete new one, also after a crash. Creates missing directories. Only the
+/// first rank of a run writes. Throws OutputError.
 void write_whole(const std::filesystem::path& path, std::string_view content);
 
 } // namespace bris

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/ranks.hpp"
 
 #include <fmt/format.h>
 
@@ -140,6 +141,7 @@ void XdmfFile::keep_frames_before(double time) {
 }
 
 void XdmfFile::add(const Frame& frame) {
+    if (!Ranks::writes()) return;
     if (!begun_) keep_frames_before(frame.time);
     begun_ = true;
     std::string text = fmt::format("{}{:.17g}\"/>\n", frame_begin, frame.time);

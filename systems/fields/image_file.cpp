@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/hdf5.hpp"
 #include "engine/io/unfinished_file.hpp"
+#include "engine/ranks.hpp"
 
 #include <array>
 
@@ -66,6 +67,7 @@ void write_image(const std::filesystem::path& path, const VoxelBlocks& blocks,
                  const std::vector<NamedValue>& meta) {
     const VoxelRange range = fields.empty() ? VoxelRange{} : shown_range(blocks, *fields[0].shown);
     if (range.empty()) throw OutputError("cannot write '" + path.string() + "': no voxels to show");
+    if (!Ranks::writes()) return;
     UnfinishedFile unfinished(path);
     Hdf5File file = Hdf5File::create(unfinished.path());
     set_grid(file, blocks.lattice(), range);

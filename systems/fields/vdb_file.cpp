@@ -4,6 +4,7 @@
 #include "engine/io/limited_child.hpp"
 #include "engine/io/unfinished_file.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/ranks.hpp"
 
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
@@ -261,6 +262,7 @@ Found read_grid(const std::filesystem::path& path, const std::string& name) {
 void write_vdb(const std::filesystem::path& name, const VoxelBlocks& blocks,
                const std::vector<FieldToWrite>& fields, double time,
                const std::vector<NamedValue>& meta) {
+    if (!Ranks::writes()) return;
     const std::filesystem::path path = file_to_write(name);
     openvdb::initialize();
     openvdb::GridPtrVec grids;

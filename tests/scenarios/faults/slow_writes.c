@@ -1,5 +1,6 @@
 /* Preloaded by kill_campaign: every write of a file takes BRIS_WRITE_MICROSECONDS longer, fsync and rename ten times that, and the
-   monotonic clock is BRIS_CLOCK times as fast, so that a run writes checkpoints often and spends much of its time in writing them. */
+   monotonic clock is BRIS_CLOCK times as fast, so that a run writes checkpoints often and spends much of its time in writing them. The
+   first fsync takes BRIS_FIRST_SYNC_SECONDS longer. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdio.h>
@@ -35,6 +36,10 @@ ssize_t pwrite64(int file, const void* data, size_t size, off64_t at) {
 }
 
 int fsync(int file) {
+    static int waited = 0;
+    const struct timespec first = {number_of("BRIS_FIRST_SYNC_SECONDS", 0), 0};
+    if (!waited) nanosleep(&first, NULL);
+    waited = 1;
     delay(10);
     return (int)syscall(SYS_fsync, file);
 }
