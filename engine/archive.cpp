@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace bris {
 
 namespace {
@@ -18,6 +20,32 @@ std::uint64_t mix_bytes(std::uint64_t h, const std::byte* data, std::size_t size
     std::uint64_t tail = 0;
     if (size > 0) std::memcpy(&tail, data, size);
     return mix(h, tail + size);
+}
+
+/// The id of each row, by its first number; empty: the rows have none.
+std::vector<std::uint32_t> ids_of(const Archive& archive, const std::string& key) {
+    if (key.empty()) return {};
+    const auto* array = archive.find(key);
+    require(array != nullptr && array->scalar_size == sizeof(std::uint32_t) && array->columns > 0,
+            "checkpoint: expected the ids '" + key + "', found none");
+    std::vector<std::uint32_t> ids(array->rows());
+    for (std::size_t row = 0; row < ids.size(); ++row)
+        std::memcpy(&ids[row], array->bytes.data() + row * array->columns * sizeof(ids[0]),
+                    sizeof(ids[0]));
+    return ids;
+}
+
+/// Hash of the rows `first_row` to `end_row` - 1 of the arrays whose path starts with `prefix`.
+std::uint64_t hash_of(std::span<const Archive::Array> arrays, const std::string& prefix,
+                      std::size_t first_row, std::size_t end_row) {
+    std::uint64_t h = 0x62726973;
+    for (const auto& array : arrays) {
+        if (!array.path.starts_with(prefix)) continue;
+        const std::size_t width = array.scalar_size * array.columns;
+        h = mix(mix(h, array.scalar_size), array.columns);
+        h = mix_bytes(h, array.bytes.data() + first_row * width, (end_row - first_row) * width);
+    }
+    return h;
 }
 
 } // namespace
@@ -36,14 +64,43 @@ const Archive::Array& Archive::checked(const std::string& path, std::size_t scal
     return *array;
 }
 
-std::uint64_t fingerprint(const Archive& archive, const std::string& prefix) {
-    std::uint64_t h = 0x62726973;
-    for (const auto& array : archive.arrays()) {
-        if (!array.path.starts_with(prefix) || array.path.starts_with("guard/")) continue;
-        h = mix(mix(h, array.scalar_size), array.columns);
-        h = mix_bytes(h, array.bytes.data(), array.bytes.size());
+std::vector<StateBlock> hash_blocks(const Archive& archive, const std::string& prefix) {
+    const auto& all = archive.arrays();
+    std::vector<StateBlock> blocks;
+    for (std::size_t first = 0, end = 0; first < all.size(); first = end) {
+        const std::string& key = all[first].key;
+        for (end = first + 1; !key.empty() && end < all.size() && all[end].key == key;) ++end;
+        const std::span table(all.data() + first, end - first);
+        const auto matches = [&](const auto& array) { return array.path.starts_with(prefix); };
+        if (std::ranges::none_of(table, matches)) continue;
+        const std::vector<std::uint32_t> ids = ids_of(archive, key);
+        const std::size_t rows = key.empty() ? all[first].rows() : ids.size();
+        for (const auto& array : table)
+            require(array.rows() == rows,
+                    fmt::format("checkpoint: '{}': expected {} rows, found {}", array.path, rows,
+                                array.rows()));
+        std::size_t row = 0;
+        do { // a table without rows has one block, for its shape
+            const std::uint32_t block = ids.empty() ? 0 : ids[row] / ids_per_block;
+            std::size_t next = ids.empty() ? rows : row;
+            while (next < ids.size() && ids[next] / ids_per_block == block) ++next;
+            blocks.push_back({first, block, hash_of(table, prefix, row, next)});
+            row = next;
+        } while (row < rows);
     }
+    return blocks;
+}
+
+std::uint64_t fingerprint(const Archive& archive, const std::vector<StateBlock>& blocks) {
+    std::uint64_t h = 0x62726973;
+    for (const StateBlock& block : blocks)
+        if (!archive.arrays()[block.array].path.starts_with("guard/"))
+            h = mix(mix(h, block.ids), block.hash);
     return h;
+}
+
+std::uint64_t fingerprint(const Archive& archive, const std::string& prefix) {
+    return fingerprint(archive, hash_blocks(archive, prefix));
 }
 
 std::string hexadecimal(std::uint64_t fingerprint) { return fmt::format("{:016x}", fingerprint); }

@@ -23,6 +23,9 @@ public:
         std::size_t scalar_size; ///< bytes
         std::size_t columns;
         std::vector<std::byte> bytes;
+        /// Path of the array that holds the ids of the rows, of which the first number counts (32
+        /// bits, ascending); empty: the rows have none.
+        std::string key = {};
         std::size_t rows() const { return bytes.size() / (scalar_size * columns); }
     };
 
@@ -73,10 +76,26 @@ void get_fields(const Archive& archive, const std::string& path,
                fields);
 }
 
-/// 64-bit hash of the shapes and values of all arrays whose path starts with `prefix`, in their
-/// order. Names are left out, so that renaming a table or a column keeps the fingerprint. Arrays
-/// whose path starts with "guard/" are left out too: they can stop a run, but no motion depends on
-/// them.
+inline constexpr std::uint32_t ids_per_block = 65536;
+
+/// The hash of a block of State: the rows of one table whose ids begin with the same 65 536, or an
+/// array without ids.
+struct StateBlock {
+    std::size_t array;     ///< index of the first array of the table
+    std::uint32_t ids = 0; ///< the block begins with the id 65 536 ids
+    std::uint64_t hash = 0;
+    bool operator==(const StateBlock&) const = default;
+};
+
+/// The blocks of all arrays whose path starts with `prefix`, in the order of arrays and ids. Each
+/// can be hashed by whoever holds its rows. Throws InputError if the arrays of a table differ in
+/// their number of rows.
+std::vector<StateBlock> hash_blocks(const Archive& archive, const std::string& prefix = "");
+
+/// 64-bit hash of the shapes and values of those blocks, in their order. Names are left out, so
+/// that renaming a table or a column keeps the fingerprint. Arrays whose path starts with "guard/"
+/// are left out too: they can stop a run, but no motion depends on them.
+std::uint64_t fingerprint(const Archive& archive, const std::vector<StateBlock>& blocks);
 std::uint64_t fingerprint(const Archive& archive, const std::string& prefix = "");
 /// A fingerprint as 16 hexadecimal digits.
 std::string hexadecimal(std::uint64_t fingerprint);

@@ -66,7 +66,8 @@ Archive save_state(const World& world) {
                                  type.scalar,
                                  type.scalar_size,
                                  type.value_size / type.scalar_size,
-                                 {}};
+                                 {},
+                                 path_of(table, *key)};
             array.bytes.resize(rows.size() * type.value_size);
             for (std::size_t i = 0; i < rows.size(); ++i)
                 std::memcpy(array.bytes.data() + i * type.value_size,

@@ -2,21 +2,17 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/hdf5.hpp"
+#include "engine/io/seal.hpp"
 #include "engine/io/unfinished_file.hpp"
-#include "engine/io/whole_file.hpp"
+#include "engine/ranks.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <fcntl.h>
-#include <memory>
 #include <sstream>
 #include <stdexcept>
-#include <sys/stat.h>
 #include <unistd.h>
 
 namespace bris {
@@ -25,23 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t format_version = 4;
-
-struct Seal {
-    std::array<char, 8> mark{'B', 'R', 'I', 'S', 'c', 'k', 'p', '\n'};
-    std::uint64_t hash = 0; ///< of all bytes before the seal
-};
-static_assert(sizeof(Seal) == 16);
-
-struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, Close>;
-
-[[noreturn]] void fail(const char* doing, const fs::path& path, int error) {
-    throw OutputError(
-        fmt::format("cannot {} '{}': {}", doing, path.string(), std::strerror(error)));
-}
+constexpr std::uint64_t format_version = 5;
 
 [[noreturn]] void reject(const fs::path& path, const std::string& what) {
     throw InputError(fmt::format("checkpoint '{}': {}", path.string(), what));
@@ -56,62 +36,6 @@ bool same_file(const std::string& a, const std::string& b) {
            read_whole(a) == read_whole(b);
 }
 
-/// Hash of the next `size` bytes of a file, read block by block.
-std::uint64_t hash_of(std::FILE* file, std::uint64_t size, const fs::path& path) {
-    std::vector<std::uint64_t> block(std::size_t{1} << 14);
-    std::uint64_t hash = size;
-    while (size > 0) {
-        const std::size_t bytes = std::min<std::uint64_t>(size, block.size() * sizeof(block[0]));
-        std::fill(block.begin(), block.end(), 0);
-        errno = 0;
-        if (std::fread(block.data(), 1, bytes, file) != bytes)
-            fail("read", path, errno == 0 ? EIO : errno);
-        // each operation is invertible, so that no information is lost
-        for (std::size_t i = 0; i < (bytes + 7) / 8; ++i) {
-            hash = (hash ^ block[i]) * 0xff51afd7ed558ccdu;
-            hash ^= hash >> 32;
-        }
-        size -= bytes;
-    }
-    return hash;
-}
-
-std::uint64_t size_of(std::FILE* file, const fs::path& path) {
-    struct stat status {};
-    if (fstat(fileno(file), &status) != 0) fail("read", path, errno);
-    return static_cast<std::uint64_t>(status.st_size);
-}
-
-void check_seal(const fs::path& path) {
-    require_regular_file(path);
-    const File file(std::fopen(path.c_str(), "rb"));
-    if (!file) fail("read", path, errno);
-    const std::uint64_t size = size_of(file.get(), path);
-    Seal found;
-    found.mark.fill(0);
-    if (size <= sizeof(Seal))
-        reject(path, fmt::format("expected a checkpoint, found {} bytes", size));
-    const std::uint64_t hash = hash_of(file.get(), size - sizeof(Seal), path);
-    if (std::fread(&found, sizeof found, 1, file.get()) != 1) fail("read", path, EIO);
-    if (found.mark != Seal{}.mark)
-        reject(path,
-               "expected a complete checkpoint, found a truncated file or one of another kind");
-    if (found.hash != hash) reject(path, "expected content that matches its hash, found damage");
-}
-
-/// Appends the seal and waits until the whole file is on disk.
-void seal(const fs::path& path) {
-    const File file(std::fopen(path.c_str(), "r+b"));
-    if (!file) fail("write", path, errno);
-    Seal seal;
-    seal.hash = hash_of(file.get(), size_of(file.get(), path), path);
-    errno = 0;
-    if (std::fseek(file.get(), 0, SEEK_END) != 0 ||
-        std::fwrite(&seal, sizeof seal, 1, file.get()) != 1 || std::fflush(file.get()) != 0 ||
-        fsync(fileno(file.get())) != 0)
-        fail("write", path, errno == 0 ? EIO : errno);
-}
-
 /// Waits until a new name in the directory is on disk.
 void synchronise_directory(const fs::path& directory) {
     const int handle = open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY);
@@ -121,18 +45,14 @@ void synchronise_directory(const fs::path& directory) {
     close(handle);
 }
 
+/// The numbers of an array.
 template <class T>
-void write_array(Hdf5File& file, const Archive::Array& array) {
-    std::vector<T> values(array.bytes.size() / sizeof(T));
-    if (!values.empty()) std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
-    file.write<T>("/state/" + array.path, values, {array.rows(), array.columns});
+std::span<T> numbers_of(Archive::Array& array) {
+    return {reinterpret_cast<T*>(array.bytes.data()), array.bytes.size() / sizeof(T)};
 }
-
 template <class T>
-void read_array(const Hdf5File& file, Archive::Array& array) {
-    const auto values = file.read<T>("/state/" + array.path);
-    array.bytes.resize(values.size() * sizeof(T));
-    if (!values.empty()) std::memcpy(array.bytes.data(), values.data(), array.bytes.size());
+std::span<const T> numbers_of(const Archive::Array& array) {
+    return {reinterpret_cast<const T*>(array.bytes.data()), array.bytes.size() / sizeof(T)};
 }
 
 /// Calls `with(T{})` for the type that represents the numbers of an array in the file.
@@ -152,17 +72,40 @@ void dispatch(Scalar scalar, std::size_t size, Action&& with) {
         throw std::logic_error(fmt::format("checkpoints do not support numbers of {} bytes", size));
 }
 
-void write_content(const fs::path& path, const Checkpoint& checkpoint) {
+constexpr auto block_columns = 3; ///< of /blocks: index of the first array, number of ids, hash
+
+/// Writes the arrays and their hashes. Returns where the bytes of the arrays are in the file.
+std::vector<FileRange> write_state(Hdf5File& file, const Archive& state,
+                                   const std::vector<StateBlock>& blocks) {
+    std::string order; // HDF5 lists names alphabetically, so the order is kept as text
+    for (const Archive::Array& array : state.arrays()) {
+        dispatch(array.scalar, array.scalar_size, [&]<class T>(T) {
+            file.write("/state/" + array.path, numbers_of<T>(array), {array.rows(), array.columns});
+        });
+        order += fmt::format("{} {} {} {}\n", array.path,
+                             array.scalar == Scalar::real ? "real" : "integer", array.scalar_size,
+                             array.key.empty() ? "-" : array.key);
+    }
+    std::vector<std::uint64_t> table;
+    for (const StateBlock& block : blocks)
+        table.insert(table.end(), {block.array, block.ids, block.hash});
+    file.write("/blocks", std::span<const std::uint64_t>(table), {blocks.size(), block_columns});
+    file.set_attribute("/", "arrays", order);
+    std::vector<FileRange> ranges;
+    for (const Archive::Array& array : state.arrays())
+        if (const FileRange range = file.range_of("/state/" + array.path); range.bytes > 0)
+            ranges.push_back(range);
+    std::ranges::sort(ranges, {}, &FileRange::first);
+    return ranges;
+}
+
+std::vector<FileRange> write_content(const fs::path& path, const Checkpoint& checkpoint) {
     Hdf5File file = Hdf5File::create(path);
     file.make_group("/state");
     file.make_group("/settings");
-    std::string order, keys; // HDF5 lists names alphabetically, so the order is kept as text
-    for (const Archive::Array& array : checkpoint.state.arrays()) {
-        dispatch(array.scalar, array.scalar_size,
-                 [&](auto number) { write_array<decltype(number)>(file, array); });
-        order += fmt::format("{} {} {}\n", array.path,
-                             array.scalar == Scalar::real ? "real" : "integer", array.scalar_size);
-    }
+    const std::vector<StateBlock> blocks = hash_blocks(checkpoint.state);
+    const auto ranges = write_state(file, checkpoint.state, blocks);
+    std::string keys;
     for (const NamedValue& entry : checkpoint.settings) {
         file.set_attribute("/settings", entry.key, entry.text());
         keys += entry.key + "\n";
@@ -170,31 +113,52 @@ void write_content(const fs::path& path, const Checkpoint& checkpoint) {
     file.set_attribute("/", "bris_checkpoint", format_version);
     file.set_attribute("/", "scenario", checkpoint.scenario);
     file.set_attribute("/", "step", checkpoint.step);
-    file.set_attribute("/", "fingerprint", fingerprint(checkpoint.state));
-    file.set_attribute("/", "arrays", order);
+    file.set_attribute("/", "fingerprint", fingerprint(checkpoint.state, blocks));
     file.set_attribute("/", "settings", keys);
     file.close();
+    return ranges;
 }
 
 Archive read_state(const Hdf5File& file) {
     Archive state;
     std::istringstream order(file.text_attribute("/", "arrays"));
-    std::string path, scalar;
+    std::string path, scalar, key;
     std::size_t size = 0;
-    while (order >> path >> scalar >> size) {
+    while (order >> path >> scalar >> size >> key) {
         const auto shape = file.shape("/state/" + path);
         if (shape.size() != 2)
             throw OutputError(fmt::format("{}: expected a table, found {}", path, in_words(shape)));
-        Archive::Array array{path,
-                             scalar == "real" ? Scalar::real : Scalar::integer,
-                             size,
-                             static_cast<std::size_t>(shape[1]),
-                             {}};
+        Archive::Array array{path, scalar == "real" ? Scalar::real : Scalar::integer,
+                             size, static_cast<std::size_t>(shape[1]),
+                             {},   key == "-" ? "" : key};
+        array.bytes.resize(shape[0] * shape[1] * size);
         dispatch(array.scalar, size,
-                 [&](auto number) { read_array<decltype(number)>(file, array); });
+                 [&]<class T>(T) { file.read_into("/state/" + path, numbers_of<T>(array)); });
         state.put(std::move(array));
     }
     return state;
+}
+
+/// The blocks of what was read. Throws InputError unless they are those that were written.
+std::vector<StateBlock> checked_blocks(const Hdf5File& file, const Archive& state,
+                                       const fs::path& path) {
+    const auto written = file.read<std::uint64_t>("/blocks");
+    std::vector<StateBlock> found = hash_blocks(state);
+    if (written.size() != found.size() * block_columns)
+        reject(path, fmt::format("expected {} blocks of State, found {}",
+                                 written.size() / block_columns, found.size()));
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        const std::uint64_t* row = &written[block_columns * k];
+        if (StateBlock{row[0], static_cast<std::uint32_t>(row[1]), row[2]} == found[k]) continue;
+        const Archive::Array& array = state.arrays()[found[k].array];
+        const std::string table = array.path.substr(0, array.path.rfind('/'));
+        reject(path, fmt::format("expected content that matches its hash, found damage in {}{}",
+                                 array.key.empty() ? array.path : table,
+                                 array.key.empty()
+                                     ? ""
+                                     : fmt::format(", ids from {}", row[1] * ids_per_block)));
+    }
+    return found;
 }
 
 Checkpoint read_content(const fs::path& path) {
@@ -211,7 +175,8 @@ Checkpoint read_content(const fs::path& path) {
     for (std::string key; std::getline(keys, key);)
         checkpoint.settings.emplace_back(key, file.text_attribute("/settings", key));
     checkpoint.state = read_state(file);
-    if (const auto saved = number("fingerprint"), found = fingerprint(checkpoint.state);
+    const auto blocks = checked_blocks(file, checkpoint.state, path);
+    if (const auto saved = number("fingerprint"), found = fingerprint(checkpoint.state, blocks);
         found != saved)
         reject(path, fmt::format("expected a state with the fingerprint {:016x}, found {:016x}",
                                  saved, found));
@@ -221,12 +186,12 @@ Checkpoint read_content(const fs::path& path) {
 } // namespace
 
 void write_checkpoint(const std::filesystem::path& name, const Checkpoint& checkpoint) {
+    if (!Ranks::writes()) return;
     const Saving saving;
     const fs::path path = file_to_write(name);
     try {
         UnfinishedFile unfinished(path);
-        write_content(unfinished.path(), checkpoint);
-        seal(unfinished.path());
+        seal_file(unfinished.path(), write_content(unfinished.path(), checkpoint));
         unfinished.put_in_place();
     } catch (const OutputError& problem) {
         throw OutputError(

@@ -22,12 +22,14 @@ struct Checkpoint {
 
 /// Writes NAME.ckpt.h5: datasets under /state by their paths, settings as attributes of /settings.
 /// The file is written under a temporary name, synchronised and renamed, so that a reader finds
-/// either the old file or the complete new one, also after a crash or when the disk is full. The
-/// last 16 bytes, which HDF5 ignores, are a seal: a mark and a hash of all bytes before it. Throws
+/// either the old file or the complete new one, also after a crash or when the disk is full. Every
+/// block of State has a hash (/blocks: index of its first array, ids / 65 536, hash), and a seal at
+/// the end of the file guards everything else (seal_file). Only the first rank writes. Throws
 /// OutputError.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
-/// Reads a checkpoint; `state` has the same bits as when it was written. The seal is checked first.
+/// Reads a checkpoint; `state` has the same bits as when it was written. The seal is checked first,
+/// then the blocks.
 /// Throws OutputError if the file cannot be read, and InputError if it is not a checkpoint,
 /// truncated or damaged.
 Checkpoint read_checkpoint(const std::filesystem::path& path);

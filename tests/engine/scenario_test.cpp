@@ -86,7 +86,8 @@ TEST_SUITE("engine/scenario") {
         CHECK_FALSE(ran);
     }
 
-    TEST_CASE("--help and the user's guide give the same meaning of every exit code, and README names it") {
+    TEST_CASE("--help and the user's guide give the same meaning of every exit code, and README "
+              "names it") {
         const std::string help = Options().help("nothing", "Does nothing.");
         const auto words = [](std::string text) {
             std::erase_if(text, [](char c) { return c == '`' || std::isspace(c) != 0; });

@@ -154,6 +154,37 @@ TEST_SUITE("engine/io/checkpoint") {
         }
     }
 
+    TEST_CASE("damage in the numbers of a table is reported with the table and its ids") {
+        using namespace bris::testing;
+        const TemporaryDirectory directory;
+        const auto path = directory / "a.ckpt.h5";
+        Simulation sim = begin(bed({.bodies = 30}), {.dt = 2e-5, .law = LawName::linear_viscous});
+        const Archive state = sim.snapshot();
+        write_checkpoint(path, {"bed", 0, {}, state});
+        std::string content = read_whole(path);
+        const auto& position = *state.find("bodies/position");
+        const std::string bytes(reinterpret_cast<const char*>(position.bytes.data()),
+                                position.bytes.size());
+        const auto at = content.find(bytes);
+        REQUIRE(at != std::string::npos);
+        content[at + 100] = static_cast<char>(content[at + 100] ^ 1);
+        write_whole(path, content);
+        CHECK(rejection(path) == "checkpoint '" + path.string() +
+                                     "': expected content that matches its hash, found damage in "
+                                     "bodies, ids from 0");
+    }
+
+    TEST_CASE("a checkpoint of an earlier format is refused as such") {
+        const TemporaryDirectory directory;
+        const auto path = directory / "old.ckpt.h5";
+        std::string old(1000, 'x');
+        old += "BRISckp\n12345678"; // the mark of formats 1 to 4 and a hash
+        write_whole(path, old);
+        CHECK(rejection(path) ==
+              "checkpoint '" + path.string() +
+                  "': expected format 5, found an earlier one, which this version cannot continue");
+    }
+
     TEST_CASE("a file of another format is an InputError, a missing one an OutputError") {
         const TemporaryDirectory directory;
         const auto path = directory / "foreign.h5";
