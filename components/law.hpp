@@ -88,7 +88,7 @@ struct LawTraits {
 /// Properties of a law from the table of laws.
 const LawTraits& traits(LawName law);
 /// Names of all laws in the order of LawName, as the choices of an option.
-const std::vector<std::string>& law_names();
+const std::vector<std::string>& texts_of(LawName);
 
 inline bool is_hertz(LawName law) { return traits(law).hertz; }
 inline bool has_springs(LawName law) { return traits(law).springs; }

@@ -150,6 +150,11 @@ struct Assign {
         *value = text;
     }
     void operator()(std::filesystem::path* value) const { *value = text; }
+    void operator()(const auto& choice) const {
+        const auto found = std::ranges::find(choices, text);
+        if (found == choices.end()) reject(where, "one of " + joined(choices, ", "), text);
+        choice.set(choice.value, static_cast<std::size_t>(found - choices.begin()));
+    }
 
 private:
     /// The range, or else that of the type.
@@ -166,19 +171,6 @@ private:
         *value = x;
     }
 };
-
-/// The value of a member as a user would type it.
-std::string written(const auto& target) {
-    return std::visit(Overloaded{[](const std::vector<double>* x) {
-                                     std::vector<std::string> texts;
-                                     for (const double number : *x)
-                                         texts.push_back(fmt::format("{}", number));
-                                     return joined(texts, ",");
-                                 },
-                                 [](const std::filesystem::path* x) { return x->string(); },
-                                 [](const auto* x) { return fmt::format("{}", *x); }},
-                      target);
-}
 
 /// Number of letters to insert, delete or replace to turn one word into the other.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -238,8 +230,21 @@ std::string without_comment(const std::string& line) {
 void Options::add(Option option) {
     if (find(option.name))
         throw std::logic_error("option '" + option.name + "' is described twice");
-    option.initially = written(option.target);
+    option.initially = option.text();
     options_.push_back(std::move(option));
+}
+
+std::string Options::Option::text() const {
+    return std::visit(Overloaded{[](const std::vector<double>* x) {
+                                     std::vector<std::string> texts;
+                                     for (const double number : *x)
+                                         texts.push_back(fmt::format("{}", number));
+                                     return joined(texts, ",");
+                                 },
+                                 [](const std::filesystem::path* x) { return x->string(); },
+                                 [&](const Choice& x) { return choices[x.get(x.value)]; },
+                                 [](const auto* x) { return fmt::format("{}", *x); }},
+                      target);
 }
 
 void Options::operator()(std::string name, double& value, std::string unit, std::string help,
@@ -399,7 +404,7 @@ std::vector<std::string> Options::warnings() const {
                                    has_unit ? hint_at_unit(option.range, x) : ""));
     };
     for (const Option& option : options_) {
-        if (written(option.target) == option.initially) continue; // not set
+        if (option.text() == option.initially) continue; // not set
         if (const auto* number = std::get_if<double*>(&option.target)) look_at(option, **number);
         if (const auto* numbers = std::get_if<std::vector<double>*>(&option.target))
             for (const double x : **numbers) look_at(option, x);
@@ -418,6 +423,7 @@ std::string Options::heading(const Option& option) {
                                   return std::string(option.choices.empty() ? "text" : "name");
                               },
                               [&](const std::filesystem::path*) { return std::string("path"); },
+                              [&](const Choice&) { return std::string("name"); },
                               [&](const auto*) { return std::string("integer"); }},
                    option.target);
     return flag(option.name) + (value.empty() ? "" : fmt::format(" <{}>", value));
@@ -465,10 +471,10 @@ std::vector<NamedValue> Options::values() const {
     for (const Option& option : options_) {
         const std::string key = key_with_unit(option.name, option.unit);
         std::visit(
-            Overloaded{
-                [&](const std::vector<double>*) { list.emplace_back(key, written(option.target)); },
-                [&](const std::filesystem::path* x) { list.emplace_back(key, x->string()); },
-                [&](const auto* x) { list.emplace_back(key, *x); }},
+            Overloaded{[&](const std::vector<double>*) { list.emplace_back(key, option.text()); },
+                       [&](const std::filesystem::path*) { list.emplace_back(key, option.text()); },
+                       [&](const Choice&) { list.emplace_back(key, option.text()); },
+                       [&](const auto* x) { list.emplace_back(key, *x); }},
             option.target);
         list.back().flag = flag(option.name);
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/choice.hpp"
 #include "engine/named_value.hpp"
 
 #include <cstdint>
@@ -82,6 +83,19 @@ public:
                     std::vector<std::string> choices = {});
     void operator()(std::string name, std::filesystem::path& value, std::string unit,
                     std::string help);
+    template <WithTexts E>
+    void operator()(std::string name, E& value, std::string unit, std::string help) {
+        add({std::move(name),
+             std::move(unit),
+             std::move(help),
+             Choice{
+                 &value,
+                 [](const void* p) { return static_cast<std::size_t>(*static_cast<const E*>(p)); },
+                 [](void* p, std::size_t k) { *static_cast<E*>(p) = static_cast<E>(k); }},
+             Range{},
+             texts_of(E{}),
+             {}});
+    }
 
     /// Starts a new group in --help.
     void group(std::string title);
@@ -110,14 +124,21 @@ public:
     std::vector<NamedValue> values() const;
 
 private:
+    /// A value of an enumeration, as the index of its text among the choices of the option.
+    struct Choice {
+        void* value;
+        std::size_t (*get)(const void*);
+        void (*set)(void*, std::size_t);
+    };
     using Target = std::variant<double*, unsigned*, std::uint64_t*, std::vector<double>*, bool*,
-                                std::string*, std::filesystem::path*>;
+                                std::string*, std::filesystem::path*, Choice>;
     struct Option {
         std::string name, unit, help;
         Target target;
         Range range;
         std::vector<std::string> choices;
         std::string initially;
+        std::string text() const; ///< the value as a user would type it
     };
     struct Group {
         std::string title;

@@ -30,9 +30,9 @@ Material glass() {
 
 /// The laws whose coefficients materials alone state: a pair of balls has none of its own.
 std::vector<std::string> laws_of_materials() {
-    auto names = law_names();
+    auto names = texts_of(LawName{});
     std::erase_if(names, [](const std::string& name) {
-        return !traits(named<LawName>(law_names(), name)).of_pairs.empty();
+        return !traits(named<LawName>(name)).of_pairs.empty();
     });
     return names;
 }
@@ -40,7 +40,7 @@ std::vector<std::string> laws_of_materials() {
 struct CollideSettings {
     Collide collide;
     Material material = glass();
-    std::string law = "hertz_mindlin_viscous", filter = "corrected";
+    std::string law = "hertz_mindlin_viscous";
 
     void describe(auto& option) {
         option.group("Balls");
@@ -81,10 +81,9 @@ struct CollideSettings {
         option("model_restitution", collide.model_restitution, "",
                "Coefficient of restitution in the model. Below 0: the true one.", within(-1, 1));
         option.group("Sensor");
-        option("filter", filter, "",
+        option("filter", collide.filter.kind, "",
                "Filter that turns measurements into corrections. printed: the filter as the "
-               "SmartRock report prints it. corrected: the same filter without its errors.",
-               filter_names);
+               "SmartRock report prints it. corrected: the same filter without its errors.");
         option("sampling_rate", collide.sampling_rate, "Hz",
                "Sampling rate of the first ball's sensor.", above(0, 1e7));
         option("position_noise", collide.position_noise, "m",
@@ -122,9 +121,8 @@ struct CollideSettings {
 
 Collide completed(const CollideSettings& settings, const Common& common) {
     Collide s = settings.collide;
-    s.law = named<LawName>(law_names(), settings.law);
+    s.law = named<LawName>(settings.law);
     s.material = settings.material;
-    s.filter.kind = named<FilterKind>(filter_names, settings.filter);
     s.seed = common.seed;
     return s;
 }

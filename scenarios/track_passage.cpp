@@ -55,7 +55,7 @@ Spectrum spectrum_of(const Vibration& vertical) {
 /// of a second is the level at rest: the first axle is still far away.
 void add_sensor(Report& summary, const std::string& prefix, const std::string& name,
                 const Recording& recording) {
-    const Vibration vertical = vibration_of(recording, "vertical", 0.1);
+    const Vibration vertical = vibration_of(recording, VibrationQuantity::vertical, 0.1);
     require(vertical.impossible_because.empty(), vertical.impossible_because);
     double peak = 0;
     for (const auto& run : vertical.runs)
@@ -75,7 +75,7 @@ void add_sensor(Report& summary, const std::string& prefix, const std::string& n
 }
 
 Curve spectrum_of(const Recording& recording, const std::string& name) {
-    const Spectrum s = spectrum_of(vibration_of(recording, "vertical", 0.1));
+    const Spectrum s = spectrum_of(vibration_of(recording, VibrationQuantity::vertical, 0.1));
     Curve curve{.label = name};
     for (std::size_t bin = 1; bin < s.density.size(); ++bin) {
         curve.x.push_back(s.frequency(bin));
@@ -85,7 +85,7 @@ Curve spectrum_of(const Recording& recording, const std::string& name) {
 }
 
 Curve vertical_of(const Recording& recording, const std::string& name) {
-    const Vibration vertical = vibration_of(recording, "vertical", 0.1);
+    const Vibration vertical = vibration_of(recording, VibrationQuantity::vertical, 0.1);
     Curve curve{.label = name};
     for (std::size_t r = 0; r < vertical.runs.size(); ++r)
         for (std::size_t k = 0; k < vertical.runs[r].size(); ++k) {

@@ -22,7 +22,7 @@ void check_options(const TwinSettings& t, const Common& common) {
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
     require(t.record.empty() || !faulty,
             "--record: expected no --dropout or --outliers, which are not recorded");
-    require(t.sensors.mode != "inertial" || !faulty,
+    require(t.sensors.mode != SensorMode::inertial || !faulty,
             "--sensor-mode inertial: expected no --dropout or --outliers, which apply to tracked "
             "sensors only");
     const bool moved = t.mismatch.placement > 0 || t.mismatch.rotation > 0;
@@ -34,7 +34,7 @@ void check_options(const TwinSettings& t, const Common& common) {
             "--model-packing: expected another seed than --seed");
     require(t.mismatch.packing == 0 || !t.layouts,
             "--layouts: expected no --model-packing, whose rocks are not the rocks of the truth");
-    require(!t.layouts || std::ranges::any_of(names_of_variants(t.variants), is_computed),
+    require(!t.layouts || std::ranges::any_of(variants_in(t.variants), is_computed),
             "--layouts: expected analysis among the --variants, found none");
     require(t.mismatch.spheres == 0 || t.mismatch.spheres >= 4,
             fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));

@@ -55,7 +55,7 @@ const auto& table() {
 
 const LawTraits& traits(LawName law) { return table()[static_cast<std::size_t>(law)]; }
 
-const std::vector<std::string>& law_names() {
+const std::vector<std::string>& texts_of(LawName) {
     static const std::vector<std::string> names = [] {
         std::vector<std::string> list;
         for (const LawTraits& t : table()) list.emplace_back(t.name);

@@ -158,6 +158,16 @@ ArModel least_squares_ar(Runs runs, std::size_t order) {
     return model;
 }
 
+const std::vector<std::string>& texts_of(ArMethod) {
+    static const std::vector<std::string> texts{"burg", "yule_walker"};
+    return texts;
+}
+
+const std::vector<std::string>& texts_of(OrderCriterion) {
+    static const std::vector<std::string> texts{"bic", "aic"};
+    return texts;
+}
+
 OrderChoice choose_order(const std::vector<ArModel>& models, std::size_t samples) {
     OrderChoice choice;
     for (std::size_t p = 0; p < models.size(); ++p) {

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace bris {
@@ -28,6 +29,8 @@ std::vector<ArModel> yule_walker(Runs runs, std::size_t largest);
 /// prediction errors of all runs are minimised together. Throws InputError as yule_walker, and
 /// unless a run is longer than the order.
 std::vector<ArModel> burg(Runs runs, std::size_t largest);
+enum class ArMethod { burg, yule_walker };
+const std::vector<std::string>& texts_of(ArMethod);
 /// The model of one order by least squares of the forward errors, with its mean. The variance is
 /// the mean square of the residuals. Throws InputError if there are too few samples.
 ArModel least_squares_ar(Runs runs, std::size_t order);
@@ -38,6 +41,8 @@ struct OrderChoice {
     std::vector<double> aic, bic;
     std::size_t by_aic = 0, by_bic = 0;
 };
+enum class OrderCriterion { bic, aic };
+const std::vector<std::string>& texts_of(OrderCriterion);
 /// `models`: of the orders 0 ...; `samples`: from which they were estimated.
 OrderChoice choose_order(const std::vector<ArModel>& models, std::size_t samples);
 

@@ -129,13 +129,18 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
     return recordings;
 }
 
+const std::vector<std::string>& texts_of(SensorMode) {
+    static const std::vector<std::string> texts{"ideal", "tracked", "inertial"};
+    return texts;
+}
+
 SensorObservations observe_sensors(const ModelRun& truth, const SensorSettings& settings,
                                    std::uint64_t seed) {
-    const bool ideal = settings.mode == "ideal";
+    const bool ideal = settings.mode == SensorMode::ideal;
     SensorObservations observations{.trajectories = {},
                                     .position_noise = ideal ? 1e-7 : settings.position_noise,
                                     .attitude_noise = ideal ? 1e-6 : settings.attitude_noise};
-    if (settings.mode != "inertial") {
+    if (settings.mode != SensorMode::inertial) {
         observations.trajectories = recorded_trajectories(
             truth, sensor_rocks(truth), settings.interval, observations.position_noise,
             observations.attitude_noise, seed, settings.faults);

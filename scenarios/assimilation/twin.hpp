@@ -2,6 +2,7 @@
 
 #include "scenarios/assimilation/model_run.hpp"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -43,12 +44,13 @@ struct RecordingSettings {
 std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSettings& settings,
                                       std::uint64_t seed);
 
-/// Sensors of a truth. "ideal": displacement and attitude almost exactly; "tracked": both with the
-/// noise of an external measurement; "inertial": what an inertial sensor records of itself, after
+/// Sensors of a truth. ideal: displacement and attitude almost exactly; tracked: both with the
+/// noise of an external measurement; inertial: what an inertial sensor records of itself, after
 /// quality control: the tilt by gravity, and nothing else.
-inline const std::vector<std::string> sensor_modes{"ideal", "tracked", "inertial"};
+enum class SensorMode : std::uint8_t { ideal, tracked, inertial };
+const std::vector<std::string>& texts_of(SensorMode);
 struct SensorSettings {
-    std::string mode = "tracked";
+    SensorMode mode = SensorMode::tracked;
     std::string imu = "smartrock-like";                  ///< a preset
     double interval = 1e-3;                              ///< axial strain
     double position_noise = 1e-4, attitude_noise = 2e-3; ///< m and rad, of tracked sensors

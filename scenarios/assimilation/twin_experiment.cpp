@@ -4,7 +4,6 @@
 #include "engine/random.hpp"
 #include "engine/stopwatch.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
-#include "scenarios/assimilation/twin_variants.hpp"
 #include "scenarios/records/recorded_test.hpp"
 #include "scenarios/specimens/recorded_motion.hpp"
 
@@ -26,19 +25,22 @@ Learning learning_for(const TwinSettings& t) {
 
 } // namespace
 
+const std::vector<std::string>& texts_of(RecordingFormat) {
+    static const std::vector<std::string> texts{"csv", "hdf5"};
+    return texts;
+}
+
 TwinExperiment::TwinExperiment(const TwinSettings& settings, const Common& common)
     : t_(settings), common_(common),
       learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}},
-      names_(names_of_variants(t_.variants)), test_(t_.triaxial.test),
-      progress_(make_progress(common)) {
+      kinds_(variants_in(t_.variants)), test_(t_.triaxial.test), progress_(make_progress(common)) {
     test_.confining_pressure = t_.triaxial.confining_pressure.front();
 }
 
-ModelVariant TwinExperiment::variant_of(const std::string& name) const {
-    ModelVariant variant{.name = name, .rocks = t_.model, .corrections = t_.corrections};
-    variant.corrections.filter.kind = named<FilterKind>(filter_names, t_.filter);
-    if (name == "inserted") variant.corrections.nudging.stiffness = 0;
-    if (name == "free") return variant;
+ModelVariant TwinExperiment::model_variant(TwinVariant kind) const {
+    ModelVariant variant{.name = text_of(kind), .rocks = t_.model, .corrections = t_.corrections};
+    if (kind == TwinVariant::inserted) variant.corrections.nudging.stiffness = 0;
+    if (kind == TwinVariant::free) return variant;
     variant.trajectories = observations_->trajectories;
     variant.corrections.position_noise = observations_->position_noise;
     variant.corrections.attitude_noise = observations_->attitude_noise;
@@ -53,11 +55,10 @@ void TwinExperiment::make_specimens() {
     progress_.pause();
 }
 
-std::vector<ModelRun> TwinExperiment::run_all(const std::vector<ModelVariant>& variants,
-                                              double strain) {
-    std::vector<const PreparedSpecimen*> specimens;
-    for (const ModelVariant& variant : variants) specimens.push_back(&specimen_of(variant.name));
-    return run_models(specimens, test_, variants, strain, common_, progress_);
+std::vector<ModelRun> TwinExperiment::run_all(const PreparedSpecimen& specimen,
+                                              const std::vector<ModelVariant>& variants) {
+    return run_models(std::vector(variants.size(), &specimen), test_, variants,
+                      test_.final_axial_strain, common_, progress_);
 }
 
 /// Learns friction and stiffness from the test machine and the sensors, by ensemble members that
@@ -67,7 +68,7 @@ Assimilated TwinExperiment::assimilate() {
     const Measurements measured{this->measured(), observations_->trajectories,
                                 observations_->position_noise};
     const Gaussian prior = prior_of(t_.model, learning_);
-    const PreparedSpecimen& specimen = specimen_of("analysis");
+    const PreparedSpecimen& specimen = model_specimen();
     Assimilated assimilated{.learned = learn_in_two_generations(
                                 prior, measured, learning_, test_.final_axial_strain,
                                 [&](const std::vector<ModelVariant>& variants, double strain) {
@@ -104,7 +105,7 @@ void TwinExperiment::record(const RecordingSettings& settings) const {
     const auto recordings =
         with_poses(record_sensors(truth_, settings, common_.seed), specimen, true_.scene.poses);
     const MeasuredCurves curves = measured();
-    if (t_.record_format == "csv")
+    if (t_.record_format == RecordingFormat::csv)
         return write_recorded_test(t_.record, test_.confining_pressure, recordings, curves);
     std::vector<double> time;
     for (const double strain : curves[quantity::axial_strain])
@@ -115,8 +116,7 @@ void TwinExperiment::record(const RecordingSettings& settings) const {
 
 void TwinExperiment::run() {
     make_specimens();
-    truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain)
-                 .front();
+    truth_ = run_all(true_, {{.name = "truth", .rocks = {test_.friction, 1}}}).front();
     if (!t_.record.empty()) {
         const RecordingSettings settings{.interval = t_.sensors.interval,
                                          .imu = t_.sensors.imu,
@@ -125,17 +125,17 @@ void TwinExperiment::run() {
         record(settings);
     }
     observations_ = observe_sensors(truth_, t_.sensors, common_.seed);
-    if (std::ranges::any_of(names_, is_computed)) assimilated_ = assimilate();
+    if (std::ranges::any_of(kinds_, is_computed)) assimilated_ = assimilate();
     std::vector<ModelVariant> to_run;
-    for (const std::string& name : names_) {
-        variants_.push_back(variant_of(name));
-        if (!is_computed(name)) to_run.push_back(variants_.back());
+    for (const TwinVariant kind : kinds_) {
+        variants_.push_back(model_variant(kind));
+        if (!is_computed(kind)) to_run.push_back(variants_.back());
     }
-    auto runs = run_all(to_run, test_.final_axial_strain);
+    auto runs = run_all(model_specimen(), to_run);
     auto next = runs.begin();
-    for (const ModelVariant& variant : variants_)
-        runs_.push_back(is_computed(variant.name) ? compute_analysis_of(variant)
-                                                  : std::move(*next++));
+    for (std::size_t k = 0; k < kinds_.size(); ++k)
+        runs_.push_back(is_computed(kinds_[k]) ? compute_analysis_of(variants_[k])
+                                               : std::move(*next++));
 }
 
 } // namespace bris

@@ -6,6 +6,7 @@
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/run_models.hpp"
 #include "scenarios/assimilation/twin_settings.hpp"
+#include "scenarios/assimilation/twin_variants.hpp"
 
 #include <optional>
 
@@ -30,16 +31,15 @@ public:
     void report() const;
 
 private:
-    ModelVariant variant_of(const std::string& name) const;
+    ModelVariant model_variant(TwinVariant kind) const;
     Assimilated assimilate();
     ModelRun compute_analysis_of(const ModelVariant& variant) const;
     MeasuredCurves measured() const;
     void record(const RecordingSettings& settings) const;
     void make_specimens();
-    const PreparedSpecimen& specimen_of(const std::string& variant) const {
-        return model_ && variant != "truth" ? *model_ : true_;
-    }
-    std::vector<ModelRun> run_all(const std::vector<ModelVariant>& variants, double strain);
+    const PreparedSpecimen& model_specimen() const { return model_ ? *model_ : true_; }
+    std::vector<ModelRun> run_all(const PreparedSpecimen& specimen,
+                                  const std::vector<ModelVariant>& variants);
 
     // results
     /// Number of groups of rocks whose errors are reported: the sensor rocks and shells about them.
@@ -56,13 +56,13 @@ private:
     Learning learning_;
     PreparedSpecimen true_;
     std::optional<PreparedSpecimen> model_; // if it differs from the truth's
-    std::vector<std::string> names_;
+    std::vector<TwinVariant> kinds_;
     TriaxialSettings test_;
     Progress progress_;
     ModelRun truth_;
     std::optional<SensorObservations> observations_;
     std::optional<Assimilated> assimilated_; // if a variant needs it
-    std::vector<ModelVariant> variants_;
+    std::vector<ModelVariant> variants_;     // of each kind
     std::vector<ModelRun> runs_;
 };
 

@@ -5,7 +5,6 @@
 #include "scenarios/assimilation/layouts.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/twin_experiment.hpp"
-#include "scenarios/assimilation/twin_variants.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -78,7 +77,7 @@ void TwinExperiment::add_variant(Report& summary, std::size_t k, const TwinError
     own.add("steps", runs_[k].steps);
     own.add("wall_time_s", runs_[k].wall_time);
     own.add_part("", properties(runs_[k]));
-    if (!variants_[k].trajectories.empty()) add_fusion(own, runs_[k], is_computed(name));
+    if (!variants_[k].trajectories.empty()) add_fusion(own, runs_[k], is_computed(kinds_[k]));
     summary.add_part(name, own);
 }
 
@@ -104,8 +103,7 @@ void TwinExperiment::add_starts(Report& summary) const {
     summary.add("learning_specimen_scatter", learning_.specimen_scatter);
     const ModelRun* model = assimilated_ ? &assimilated_->learned.first.runs.front() : nullptr;
     for (std::size_t k = 0; k < variants_.size(); ++k)
-        if (!is_computed(variants_[k].name) && &specimen_of(variants_[k].name) == &*model_ &&
-            (model == nullptr || variants_[k].name == "free"))
+        if (!is_computed(kinds_[k]) && (model == nullptr || kinds_[k] == TwinVariant::free))
             model = &runs_[k];
     if (model == nullptr) return; // no variant runs it
     put("model", *model);
@@ -140,19 +138,19 @@ void TwinExperiment::add_learned(Report& summary, const Assimilated& assimilated
 }
 
 void TwinExperiment::draw() const {
-    const auto free = std::ranges::find(names_, "free");
-    const auto first = static_cast<std::size_t>(free - names_.begin());
+    const auto free = std::ranges::find(kinds_, TwinVariant::free);
+    const auto first = static_cast<std::size_t>(free - kinds_.begin());
     const auto panel = [&](const char* title, const Quantity& quantity) {
         // the truth takes the place of the measurements; other variants have colours of their own
         Plot plot{.title = title,
                   .x_label = "axial strain (%)",
                   .y_label = title,
                   .curves = compared_curves(
-                      {&truth_.curves, free != names_.end() ? &runs_[first].curves : nullptr},
+                      {&truth_.curves, free != kinds_.end() ? &runs_[first].curves : nullptr},
                       curves_of(quantity))};
         plot.curves.front().label = "truth";
         for (std::size_t k = 0; k < variants_.size(); ++k)
-            if (variants_[k].name != "free")
+            if (kinds_[k] != TwinVariant::free)
                 plot.curves.push_back(curve_of(variants_[k].name, runs_[k].curves, quantity));
         if (assimilated_) mark_end_of_learning(plot, learning_.final_strain);
         return plot;
@@ -164,10 +162,10 @@ void TwinExperiment::draw() const {
 
 void TwinExperiment::report() const {
     Report summary;
-    const auto free = std::ranges::find(names_, "free");
+    const auto free = std::ranges::find(kinds_, TwinVariant::free);
     std::optional<TwinErrors> of_free;
-    if (free != names_.end())
-        of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
+    if (free != kinds_.end())
+        of_free = errors_of(runs_[static_cast<std::size_t>(free - kinds_.begin())], truth_);
     for (std::size_t k = 0; k < variants_.size(); ++k)
         add_variant(summary, k, of_free ? &*of_free : nullptr);
     summary.add_part("truth", properties(truth_));

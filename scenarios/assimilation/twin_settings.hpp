@@ -7,10 +7,14 @@
 #include "scenarios/triaxial/triaxial.hpp"
 #include "systems/fusion/sensor_filter.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 namespace bris {
+
+enum class RecordingFormat : std::uint8_t { csv, hdf5 };
+const std::vector<std::string>& texts_of(RecordingFormat);
 
 /// Settings of a twin experiment: the true test, what the model has otherwise, the variants of the
 /// model that are compared, and the sensors of the truth.
@@ -20,12 +24,11 @@ struct TwinSettings {
     ModelMismatch mismatch;
     std::string variants = "free,inserted,nudged,analysis";
     std::filesystem::path record;
-    std::string record_format = "csv";
+    RecordingFormat record_format = RecordingFormat::csv;
     SensorSettings sensors;
     bool layouts = false;
     Learning learning;
     Corrections corrections;
-    std::string filter = "corrected";
 
     TwinSettings() {
         triaxial.confining_pressure = {55e3};
@@ -57,16 +60,14 @@ struct TwinSettings {
         option("record", record, "",
                "Folder into which the recordings of the truth's sensors are written, in the form "
                "that smart_triaxial reads. Empty: no recordings are written.");
-        option("record_format", record_format, "", "Format of these recordings.", {"csv", "hdf5"});
-        option("filter", filter, "",
+        option("record_format", record_format, "", "Format of these recordings.");
+        option("filter", corrections.filter.kind, "",
                "Filter that turns recordings into corrections. printed: the filter as the "
-               "SmartRock report prints it. corrected: the same filter without its errors.",
-               filter_names);
+               "SmartRock report prints it. corrected: the same filter without its errors.");
         option("sensor_mode", sensors.mode, "",
                "What the sensors observe. ideal: displacement and attitude without error. "
                "tracked: displacement and attitude with noise. inertial: the tilt, which is all "
-               "that an inertial sensor can observe here.",
-               sensor_modes);
+               "that an inertial sensor can observe here.");
         option("imu", sensors.imu, "",
                "Inertial sensor for --sensor-mode inertial and for --record.",
                {"lab-grade", "smartrock-like", "cheap"});

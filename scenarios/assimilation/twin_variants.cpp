@@ -1,37 +1,33 @@
 #include "scenarios/assimilation/twin_variants.hpp"
 
-#include "engine/errors.hpp"
+#include "engine/choice.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
 #include <sstream>
-#include <string_view>
 
 namespace bris {
 
-namespace {
+const std::vector<std::string>& texts_of(TwinVariant) {
+    static const std::vector<std::string> texts{"free", "inserted", "nudged", "analysis"};
+    return texts;
+}
 
-constexpr std::array<std::string_view, 4> variant_names{"free", "inserted", "nudged", "analysis"};
-
-} // namespace
-
-std::vector<std::string> names_of_variants(const std::string& list) {
-    std::vector<std::string> names;
-    if (list == "none") return names;
-    std::string all;
-    for (const std::string_view name : variant_names)
-        all += fmt::format("{}{}", all.empty() ? "" : ", ", name);
-    std::istringstream text(list);
-    for (std::string name; std::getline(text, name, ',');) {
-        require(std::ranges::count(variant_names, name) == 1,
-                fmt::format("--variants: expected {}, found '{}'", all, name));
-        require(std::ranges::count(names, name) == 0,
-                fmt::format("--variants: expected each variant once, found '{}' twice", name));
-        names.push_back(name);
+std::vector<TwinVariant> variants_in(const std::string& list) {
+    std::vector<TwinVariant> variants;
+    if (list == "none") return variants;
+    const auto& texts = texts_of(TwinVariant{});
+    std::istringstream in(list);
+    for (std::string text; std::getline(in, text, ',');) {
+        require(std::ranges::count(texts, text) == 1,
+                fmt::format("--variants: expected {}, found '{}'", fmt::join(texts, ", "), text));
+        const auto variant = named<TwinVariant>(text);
+        require(std::ranges::count(variants, variant) == 0,
+                fmt::format("--variants: expected each variant once, found '{}' twice", text));
+        variants.push_back(variant);
     }
-    return names;
+    return variants;
 }
 
 } // namespace bris

@@ -24,14 +24,14 @@ Vec3 vector_at(const Samples& s, std::size_t k, const SensorInfo& info, bool by_
 
 /// The quantity less its mean nearby, at each row.
 std::vector<double> deviations_of(const Samples& s, const SensorInfo& info,
-                                  const std::string& quantity) {
-    const bool by_force = quantity == "vertical";
+                                  VibrationQuantity quantity) {
+    const bool by_force = quantity == VibrationQuantity::vertical;
     std::vector<Vec3> vectors, sums{Vec3::Zero()};
     for (std::size_t k = 0; k < s.size(); ++k) {
         vectors.push_back(vector_at(s, k, info, by_force));
         sums.push_back(sums.back() + vectors.back());
     }
-    const Eigen::Index axis = quantity == "roll_rate" ? 0 : quantity == "pitch_rate" ? 1 : 2;
+    const Eigen::Index axis = axis_of(quantity);
     std::vector<double> deviations;
     Window nearby;
     for (std::size_t k = 0; k < s.size(); ++k) {
@@ -52,7 +52,7 @@ void find_activity(Samples& samples, const SensorInfo& info, const ActivitySetti
     std::size_t first = 0;
     while (first < end && samples.state(first) != Samples::State::unknown) ++first;
     if (first == end) return;
-    const bool by_force = settings.quantity == "vertical";
+    const bool by_force = settings.quantity == VibrationQuantity::vertical;
     if (!(settings.threshold > 0) || !(by_force ? samples.has_force() : samples.has_rate())) {
         for (; first < end; ++first) samples.state(first) = Samples::State::quiet;
         return;

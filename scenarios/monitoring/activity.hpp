@@ -1,15 +1,15 @@
 #pragma once
 
 #include "scenarios/monitoring/samples.hpp"
+#include "scenarios/monitoring/vibration.hpp"
 
-#include <string>
 #include <vector>
 
 namespace bris {
 
 /// When a sensor vibrates as under a train.
 struct ActivitySettings {
-    std::string quantity = "vertical"; ///< see vibration_of
+    VibrationQuantity quantity = VibrationQuantity::vertical;
     double threshold = 0; ///< m/s2, or rad/s, root mean square; 0: nothing counts as a train
     double quiet = 5;     ///< s without activity that end a passage
     double longest = 120; ///< s; a longer passage is cut there

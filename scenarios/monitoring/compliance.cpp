@@ -93,7 +93,7 @@ RecordedCompliance compliance_of(const Recording& recording, const PassingTrain&
     const auto load_at = [&](double speed) {
         return passing_load(passing.train, speed, passing.rails, passing.dead_load);
     };
-    const Vibration v = vibration_of(turned_back(recording), "vertical", rest);
+    const Vibration v = vibration_of(turned_back(recording), VibrationQuantity::vertical, rest);
     found.impossible_because = reason_against(v, load_at(passing.speed), lowest);
     if (!found.impossible_because.empty()) return found;
     std::vector<double> acceleration = joined(v);

@@ -66,12 +66,13 @@ RatioInterval power_interval(const SensorResult& s, const SensorBaseline& b,
 }
 
 /// What the chosen quantity is called and measured in.
-struct Quantity {
+struct Named {
     std::string name, density;
 };
-Quantity quantity_of(const std::string& name) {
-    if (name == "vertical") return {"vertical acceleration", "(m/s2)2/Hz"};
-    return {name.substr(0, name.find('_')) + " rate", "(rad/s)2/Hz"};
+Named name_of(VibrationQuantity quantity) {
+    if (quantity == VibrationQuantity::vertical) return {"vertical acceleration", "(m/s2)2/Hz"};
+    const std::string& text = text_of(quantity);
+    return {text.substr(0, text.find('_')) + " rate", "(rad/s)2/Hz"};
 }
 
 void add_sensor_table(HtmlPage& page, const MonitorReport& report) {
@@ -165,7 +166,7 @@ void add_sensor(HtmlPage& page, const MonitorReport& report, unsigned id) {
         page.paragraph(fmt::format(
             "Baseline: {} passages, {} samples, root mean square {:.4g}; autoregressive model of "
             "order {} ({}; by AIC {}, by BIC {}), {} of its own points outside the limits.",
-            b->passages, b->samples, b->rms, b->model.order(), report.settings.method,
+            b->passages, b->samples, b->rms, b->model.order(), text_of(report.settings.method),
             b->orders.by_aic, b->orders.by_bic, per_cent(b->outlier_share)));
     if (!s.points.times.empty()) {
         if (s.spectrum.segments > 0) page.plot(spectrum_plot(s, *b, report.settings.quantity));
@@ -218,8 +219,8 @@ std::string not_judged(const MonitorReport& report) {
 }
 
 Plot spectrum_plot(const SensorResult& result, const SensorBaseline& baseline,
-                   const std::string& quantity) {
-    const Quantity q = quantity_of(quantity);
+                   VibrationQuantity quantity) {
+    const Named q = name_of(quantity);
     Plot plot{.title = fmt::format("Sensor {}: spectrum of the {}", result.id, q.name),
               .x_label = "frequency (Hz)",
               .y_label = "density (" + q.density + ")",
@@ -263,7 +264,7 @@ void write_page(const std::filesystem::path& folder, const MonitorReport& report
     const OverallVerdict overall = overall_verdict(report);
     page.verdict(kind_of(overall.verdict), text_of(overall.verdict), overall.reason);
     page.paragraph(fmt::format("Recordings: {}. Baseline: {}. Quantity: {}.", report.recordings,
-                               report.baseline, quantity_of(report.settings.quantity).name));
+                               report.baseline, name_of(report.settings.quantity).name));
     page.heading("Sensors");
     add_sensor_table(page, report);
     add_history(page, report);

@@ -31,7 +31,7 @@ std::string not_judged(const MonitorReport& report);
 
 /// Spectrum of the baseline, and of the recording with its 95 % confidence band.
 Plot spectrum_plot(const SensorResult& result, const SensorBaseline& baseline,
-                   const std::string& quantity);
+                   VibrationQuantity quantity);
 /// Points of the charts over time, with their limits.
 Plot chart_plot(const SensorResult& result, double width);
 

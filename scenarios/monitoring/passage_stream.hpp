@@ -22,7 +22,7 @@ struct PassageStreamSettings {
     double late = 21600; ///< s after a passage for which late records revise its verdict
     double timeout = 60; ///< s without a line after which the stream counts as ended
     double memory = 200; ///< MB of samples that wait, of all sensors
-    std::string quantity = "vertical";
+    VibrationQuantity quantity = VibrationQuantity::vertical;
     std::map<unsigned, double> thresholds; ///< m/s2 or rad/s by sensor, of a passing train
 };
 

@@ -97,10 +97,11 @@ void estimate(SensorBaseline& b, const Collected& all, const MonitorSettings& se
     require(static_cast<double>(b.samples) >= needed && longest > settings.largest_order,
             fmt::format("expected at least {:.0f} samples while trains pass, found {}", needed,
                         b.samples));
-    const auto models = settings.method == "burg" ? burg(runs, settings.largest_order)
-                                                  : yule_walker(runs, settings.largest_order);
+    const auto models = settings.method == ArMethod::burg
+                            ? burg(runs, settings.largest_order)
+                            : yule_walker(runs, settings.largest_order);
     b.orders = choose_order(models, b.samples);
-    b.model = models[settings.criterion == "bic" ? b.orders.by_bic : b.orders.by_aic];
+    b.model = models[settings.criterion == OrderCriterion::bic ? b.orders.by_bic : b.orders.by_aic];
     const auto residuals = residuals_of_runs(b.model, runs);
     b.means = mean_chart(residuals, settings.subgroup, settings.width, Limits::corrected);
     b.deviations = deviation_chart(residuals, settings.subgroup, settings.width);

@@ -5,6 +5,7 @@
 #include "engine/signal/roll_pitch_yaw.hpp"
 #include "engine/signal/spectrum.hpp"
 #include "scenarios/monitoring/passage.hpp"
+#include "scenarios/monitoring/vibration.hpp"
 #include "scenarios/recordings/quality_control.hpp"
 
 #include <cstdint>
@@ -16,13 +17,14 @@ namespace bris {
 
 /// Settings of the comparison of recordings with a baseline.
 struct MonitorSettings {
-    std::string quantity = "vertical"; ///< see vibration_of
-    double rest = 1;                   ///< s at the beginning during which the rocks are at rest
-    unsigned subgroup = 20;            ///< samples in a point of the charts
-    double width = 3;                  ///< of the limits, standard deviations
-    double alarm_share = 0.2;          ///< of points outside the limits
+    VibrationQuantity quantity = VibrationQuantity::vertical;
+    double rest = 1;          ///< s at the beginning during which the rocks are at rest
+    unsigned subgroup = 20;   ///< samples in a point of the charts
+    double width = 3;         ///< of the limits, standard deviations
+    double alarm_share = 0.2; ///< of points outside the limits
     unsigned largest_order = 30;
-    std::string criterion = "bic", method = "burg";
+    OrderCriterion criterion = OrderCriterion::bic;
+    ArMethod method = ArMethod::burg;
     double ewma_weight = 0.1, ewma_width = 2.814;
     double cusum_allowance = 0.5, cusum_limit = 5;
     double least_duration = 2;     ///< s of samples without gaps in the charts
@@ -91,8 +93,7 @@ std::string refusal_of(const std::vector<Finding>& findings, unsigned sensor);
 void MonitorSettings::describe(auto& option) {
     option("quantity", quantity, "",
            "Quantity that is compared: vertical acceleration, or the angular rate about the track "
-           "(roll), the tie (pitch) or the vertical (yaw).",
-           {"vertical", "roll_rate", "pitch_rate", "yaw_rate"});
+           "(roll), the tie (pitch) or the vertical (yaw).");
     option("rest", rest, "s",
            "Time at the beginning of each recording during which the rocks are at rest. Windows of "
            "a stream are taken as a whole instead.",
@@ -104,9 +105,8 @@ void MonitorSettings::describe(auto& option) {
            "Share of points outside the limits above which a sensor has changed.", within(0, 1));
     option("largest_order", largest_order, "",
            "Largest order of the autoregressive model of the baseline.", within(1, 200));
-    option("criterion", criterion, "", "Criterion by which the order is chosen.", {"bic", "aic"});
-    option("method", method, "", "Method by which the model is estimated.",
-           {"burg", "yule_walker"});
+    option("criterion", criterion, "", "Criterion by which the order is chosen.");
+    option("method", method, "", "Method by which the model is estimated.");
     option("ewma_weight", ewma_weight, "", "Weight of a point in the moving average.", above(0, 1));
     option("ewma_width", ewma_width, "", "Width of the limits of the moving average.",
            above(0, 100));

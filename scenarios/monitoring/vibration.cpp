@@ -20,16 +20,16 @@ Vec3 mean_of(const std::vector<Vec3>& values, std::size_t count) {
 }
 
 /// The quantity at each sample of the recording.
-std::vector<double> series_of(const Recording& r, const std::string& quantity, double rest) {
+std::vector<double> series_of(const Recording& r, VibrationQuantity quantity, double rest) {
     std::vector<double> series;
-    if (quantity == "vertical") {
+    if (quantity == VibrationQuantity::vertical) {
         const auto still = static_cast<std::size_t>(
             std::ranges::count_if(r.time, [&](double t) { return t <= r.time.front() + rest; }));
         const Vec3 at_rest = mean_of(r.force, still), up = at_rest.normalized();
         for (const Vec3& f : r.force) series.push_back(f.dot(up) - at_rest.norm());
         return series;
     }
-    const Eigen::Index axis = quantity == "roll_rate" ? 0 : quantity == "pitch_rate" ? 1 : 2;
+    const Eigen::Index axis = axis_of(quantity);
     const Vec3 bias = mean_of(r.rate, r.rate.size());
     for (const Vec3& w : r.rate) series.push_back((r.info.attitude() * Vec3(w - bias))[axis]);
     return series;
@@ -42,9 +42,18 @@ bool follows(const Recording& r, std::size_t k) {
 
 } // namespace
 
-Vibration vibration_of(const Recording& r, const std::string& quantity, double rest) {
+const std::vector<std::string>& texts_of(VibrationQuantity) {
+    static const std::vector<std::string> texts{"vertical", "roll_rate", "pitch_rate", "yaw_rate"};
+    return texts;
+}
+
+Eigen::Index axis_of(VibrationQuantity rate) {
+    return rate == VibrationQuantity::roll_rate ? 0 : rate == VibrationQuantity::pitch_rate ? 1 : 2;
+}
+
+Vibration vibration_of(const Recording& r, VibrationQuantity quantity, double rest) {
     Vibration v{.rate = r.info.sampling_rate};
-    const bool by_force = quantity == "vertical";
+    const bool by_force = quantity == VibrationQuantity::vertical;
     const auto& source = by_force ? r.force : r.rate;
     if (r.size() < 2 || source.empty()) {
         v.impossible_because = r.size() < 2 ? "no samples"

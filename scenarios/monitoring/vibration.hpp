@@ -8,6 +8,14 @@
 
 namespace bris {
 
+/// What of a vibration is compared: vertical acceleration, the specific force along its mean
+/// direction at rest, less its mean there (m/s2); or the angular rate about the track (x), the tie
+/// (y) or the vertical (z), less its mean (rad/s), in world axes by the attitude of the metadata.
+enum class VibrationQuantity { vertical, roll_rate, pitch_rate, yaw_rate };
+const std::vector<std::string>& texts_of(VibrationQuantity);
+/// The axis of an angular rate.
+Eigen::Index axis_of(VibrationQuantity rate);
+
 /// The series of one quantity from a recording, in runs of samples without gaps.
 struct Vibration {
     std::vector<std::vector<double>> runs = {}; ///< m/s2, or rad/s
@@ -21,12 +29,9 @@ struct Vibration {
     std::string impossible_because = {};        ///< why there is no series; empty: there is one
 };
 
-/// "vertical": vertical acceleration, the specific force along its mean direction in the first
-/// `rest` seconds, less its mean there; "roll_rate", "pitch_rate", "yaw_rate": angular rate about
-/// the track (x), the tie (y) and the vertical (z), less its mean, in world axes by the attitude of
-/// the metadata. Runs end where a sample is missing by its time or its count. The recording must
-/// have passed quality control.
-Vibration vibration_of(const Recording& recording, const std::string& quantity, double rest);
+/// The rocks are at rest in the first `rest` seconds. Runs end where a sample is missing by its
+/// time or its count. The recording must have passed quality control.
+Vibration vibration_of(const Recording& recording, VibrationQuantity quantity, double rest);
 
 /// The part of a vibration in which a train passes: from the first to the last window of 0.25 s
 /// whose root mean square exceeds `threshold` (m/s2, or rad/s). Its rms is that of this part, 0 if

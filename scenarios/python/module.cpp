@@ -224,7 +224,8 @@ PYBIND11_MODULE(_bris, m) {
     py::register_exception<OutputError>(m, "OutputError", PyExc_OSError);
     py::register_exception<BusyError>(m, "BusyError", PyExc_RuntimeError);
     m.attr("version") = bris::detail::build_facts.version;
-    m.def("laws", &law_names, "Names of the contact laws.");
+    m.def(
+        "laws", [] { return texts_of(LawName{}); }, "Names of the contact laws.");
     m.def(
         "read_checkpoint",
         [](const std::filesystem::path& path) {

@@ -29,7 +29,7 @@ namespace {
 constexpr auto scenario_of_checkpoints = "python";
 
 LawName law_named(const std::string& name) {
-    const auto& names = law_names();
+    const auto& names = texts_of(LawName{});
     for (std::size_t k = 0; k < names.size(); ++k)
         if (names[k] == name) return static_cast<LawName>(k);
     throw InputError(

@@ -19,6 +19,11 @@ bool is_unit(const auto& v) { return std::abs(v.norm() - 1) < 1e-3; }
 
 } // namespace
 
+const std::vector<std::string>& texts_of(FilterKind) {
+    static const std::vector<std::string> texts{"printed", "corrected"};
+    return texts;
+}
+
 Measured::Measured()
     : position(Vec3::Constant(unknown)), velocity(position), angular_velocity(position),
       up(position), attitude(unknown, unknown, unknown, unknown) {}

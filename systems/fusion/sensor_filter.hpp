@@ -17,7 +17,7 @@ enum class FilterKind : std::uint32_t {
     /// attitude and angular velocity (InertialFilter).
     corrected
 };
-inline const std::vector<std::string> filter_names{"printed", "corrected"};
+const std::vector<std::string>& texts_of(FilterKind);
 
 struct FilterSettings {
     FilterKind kind = FilterKind::corrected;

@@ -70,7 +70,7 @@ Impact impact_of(const Settings& settings) {
     s.material = m;
     s.partner_material = hertz ? rigid_material() : m;
     s.partner_material.restitution = m.restitution;
-    s.law = named<LawName>(law_names(), settings.word("law"));
+    s.law = named<LawName>(settings.word("law"));
     s.steps_per_contact = 1 / settings.number("step");
     return s;
 }

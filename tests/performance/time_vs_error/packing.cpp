@@ -57,7 +57,7 @@ Simulation make_bed(const Settings& settings, std::uint64_t seed, double& contac
     bed.size_spread = spread;
     bed.seed = seed;
     World world = make_sphere_bed(bed);
-    const auto law = named<LawName>(law_names(), settings.word("law"));
+    const auto law = named<LawName>(settings.word("law"));
     auto& materials = world.resource<Materials>();
     materials.list.front() = grain_of(settings);
     materials.mix();

@@ -44,7 +44,7 @@ Outcome run_gas(const Settings& settings, std::uint64_t seed) {
     gas.material = linear_material(1e6);
     gas.material.young_modulus = 1e8;
     gas.material.poisson_ratio = 0.25;
-    gas.law = named<LawName>(law_names(), settings.word("law"));
+    gas.law = named<LawName>(settings.word("law"));
     gas.steps_per_contact = 1 / settings.number("step");
     gas.contacts_long = 60;
     gas.seed = seed;

@@ -12,7 +12,7 @@ using testing::steady_run;
 TEST_SUITE("assimilation/twin") {
     TEST_CASE("ideal sensors observe the displacements exactly, tracked ones with their noise") {
         const ModelRun truth = steady_run();
-        const SensorObservations ideal = observe_sensors(truth, {.mode = "ideal"}, 1),
+        const SensorObservations ideal = observe_sensors(truth, {.mode = SensorMode::ideal}, 1),
                                  tracked = observe_sensors(truth, {.position_noise = 1e-3}, 1);
         REQUIRE(ideal.trajectories.size() == 3);
         REQUIRE(ideal.trajectories[1].strain.size() == 10);
@@ -36,7 +36,7 @@ TEST_SUITE("assimilation/twin") {
         for (const char* imu : {"lab-grade", "smartrock-like"}) {
             CAPTURE(imu);
             const SensorObservations observations =
-                observe_sensors(truth, {.mode = "inertial", .imu = imu}, 1);
+                observe_sensors(truth, {.mode = SensorMode::inertial, .imu = imu}, 1);
             CHECK(observations.refused == 0);
             for (std::size_t s = 0; s < 3; ++s) {
                 REQUIRE(observations.trajectories[s].strain.size() == 10);

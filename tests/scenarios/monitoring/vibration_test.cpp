@@ -32,7 +32,7 @@ Recording shaken(double until) {
 
 TEST_SUITE("monitoring/vibration") {
     TEST_CASE("the vertical acceleration of a tilted rock, and when it passes") {
-        const Vibration v = vibration_of(shaken(6), "vertical", 1);
+        const Vibration v = vibration_of(shaken(6), VibrationQuantity::vertical, 1);
         REQUIRE(v.runs.size() == 1);
         CHECK(v.runs[0].size() == 1200);
         CHECK(v.missing < 1e-12);
@@ -51,7 +51,7 @@ TEST_SUITE("monitoring/vibration") {
             values->erase(values->begin() + 500, values->begin() + 503);
         r.time.erase(r.time.begin() + 500, r.time.begin() + 503);
         r.sequence.erase(r.sequence.begin() + 500, r.sequence.begin() + 503);
-        const Vibration v = vibration_of(r, "vertical", 1);
+        const Vibration v = vibration_of(r, VibrationQuantity::vertical, 1);
         REQUIRE(v.runs.size() == 2);
         CHECK(v.runs[0].size() == 500);
         CHECK(v.begins[1] == doctest::Approx(503 / rate));
@@ -68,17 +68,18 @@ TEST_SUITE("monitoring/vibration") {
             r.attitude.push_back(quaternion_of({0, 0.02 * std::sin(2 * pi * 5 * t), 0}) *
                                  r.info.attitude());
         CHECK(rotation_rms(r).pitch == doctest::Approx(0.02 / std::sqrt(2.0)).epsilon(1e-3));
-        const Vibration v = vibration_of(r, "roll_rate", 1);
+        const Vibration v = vibration_of(r, VibrationQuantity::roll_rate, 1);
         CHECK(v.rms == doctest::Approx(0.01 * 2 * pi * 5 / std::sqrt(2.0)).epsilon(1e-3));
     }
 
     TEST_CASE("saturated samples are counted, and a missing channel is named") {
         Recording r = shaken(6);
         r.info.force_range = 9.5;
-        CHECK(vibration_of(r, "vertical", 1).saturated > 0.05);
+        CHECK(vibration_of(r, VibrationQuantity::vertical, 1).saturated > 0.05);
         r.force.clear();
-        CHECK(vibration_of(r, "vertical", 1).impossible_because.find("ax ay az") !=
+        CHECK(vibration_of(r, VibrationQuantity::vertical, 1).impossible_because.find("ax ay az") !=
               std::string::npos);
-        CHECK(vibration_of(Recording{}, "vertical", 1).impossible_because == "no samples");
+        CHECK(vibration_of(Recording{}, VibrationQuantity::vertical, 1).impossible_because ==
+              "no samples");
     }
 }
