@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 
 #include <algorithm>
+#include <concepts>
 #include <string>
 #include <type_traits>
 #include <vector>

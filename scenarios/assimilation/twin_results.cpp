@@ -60,7 +60,7 @@ void TwinExperiment::add_variant(Report& summary, std::size_t k, const TwinError
     const std::string& name = variants_[k].name;
     Report own;
     std::map<std::string, double> free;
-    if (of_free && name != "free")
+    if (of_free && kinds_[k] != TwinVariant::free)
         visit_errors(*of_free, shells(),
                      [&](const std::string& what, const char*, double e) { free[what] = e; });
     visit_errors(errors_of(runs_[k], truth_), shells(),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/choice.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/report.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"

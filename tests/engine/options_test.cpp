@@ -46,9 +46,35 @@ std::string complaint(const std::vector<std::string>& arguments) {
     return message_of<InputError>([&] { Test().parse(arguments); });
 }
 
+enum class Shape { sphere, clump };
+
+const std::vector<std::string>& texts_of(Shape) {
+    static const std::vector<std::string> texts{"sphere", "clump"};
+    return texts;
+}
+
 } // namespace
 
 TEST_SUITE("engine/options") {
+    TEST_CASE("an option may be one of an enumeration, whose texts are what a user sees") {
+        Shape shape = Shape::clump;
+        Options options;
+        options("shape", shape, "", "Shape of the grains.");
+        CHECK(options.values().front().text() == "clump");
+        CHECK(
+            options.help("a", "").find("--shape <name>\n      Shape of the grains. One of sphere, "
+                                       "clump. Default: clump.") != std::string::npos);
+        (void)options.parse({"--shape", "sphere"});
+        CHECK(shape == Shape::sphere);
+        CHECK(options.values().front().text() == "sphere");
+        CHECK(message_of<InputError>([&] {
+                  (void)options.parse({"--shape", "cube"});
+              }) == "--shape: expected one of sphere, clump, found \"cube\"");
+        CHECK(shape == Shape::sphere);
+        options.take({{"shape", std::string("clump")}}, "settings");
+        CHECK(shape == Shape::clump);
+    }
+
     TEST_CASE("flags set the members they name") {
         Test test;
         CHECK(test.parse({"--confining-pressure", "110e3", "--bodies=7", "--membrane", "false",
