@@ -4,7 +4,6 @@
 #include "engine/interrupt.hpp"
 #include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
-#include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/records/quality_control_report.hpp"
 
 #include <fmt/format.h>
@@ -204,7 +203,7 @@ void LiveTest::pass_gate(StreamRecord record, SensorRecords& sensor) {
 /// Reports entries that are not valid numbers. They are stored as they are and left to quality
 /// control, but strain, phase, seq and flags are treated as if they had not been sent.
 void LiveTest::look_for_numbers(const StreamRecord& record) {
-    for (const std::string& name : sample_names()) {
+    for (const std::string_view name : channel_columns) {
         const double number = record.number(name);
         const bool whole = name == "seq" || name == "flags";
         if (!record.has(name) || (std::isfinite(number) && !(whole && !is_count(number)))) continue;
@@ -297,35 +296,21 @@ Recording LiveTest::recording_of(const SensorInfo& info, const SensorTimeline& t
     const bool counted = std::ranges::all_of(
         timeline.samples, [](const PlacedSample& one) { return one.count >= 0; });
     const SensorSample sent{.sent = sensors_.at(info.id).sent()};
-    const auto any = [&](std::size_t first, std::size_t count) { return sent.has(first, count); };
-    const bool force = any(in_sample::force, 3), rate = any(in_sample::rate, 3),
-               displacement = any(in_sample::displacement, 3),
-               attitude = any(in_sample::attitude, 4);
-    const bool field = any(in_sample::field, 3), flags = any(in_sample::flags, 1);
+    std::vector<const Channel*> measured;
+    for (const Channel& channel : all_channels)
+        if (!channel.is_count() && !channel.is(Channel::of_test) &&
+            sent.has(channel.place, channel.size()))
+            measured.push_back(&channel);
     for (const auto& [t, count, sample] : timeline.samples) {
         const double strain = strain_of(t - info.clock_offset, *sample);
         if (std::isnan(strain)) continue;
-        const double* n = sample->numbers.data();
         r.time.push_back(t);
         r.strain.push_back(strain);
         if (counted) r.sequence.push_back(static_cast<std::uint64_t>(count));
-        if (force) r.force.push_back(info.force_of(Vec3(n + in_sample::force)));
-        if (rate) r.rate.push_back(info.rate_of(Vec3(n + in_sample::rate)));
-        if (displacement) r.displacement.emplace_back(n + in_sample::displacement);
-        if (attitude)
-            r.attitude.emplace_back(n[in_sample::attitude], n[in_sample::attitude + 1],
-                                    n[in_sample::attitude + 2], n[in_sample::attitude + 3]);
-        if (field) r.field.push_back(info.field_of(Vec3(n + in_sample::field)));
-        for (std::size_t k = 0; k < device_channels().size(); ++k) {
-            const DeviceChannel& channel = device_channels()[k];
-            if (any(in_sample::device + k, 1))
-                (r.*channel.values)
-                    .push_back(channel.value_of_file(info, n[in_sample::device + k]));
-        }
-        if (flags)
-            r.flags.push_back(is_count(n[in_sample::flags])
-                                  ? static_cast<std::uint64_t>(n[in_sample::flags])
-                                  : 0);
+        for (const Channel* channel : measured)
+            channel->append(r, sample->numbers.data() + channel->place);
+        if (const double flags = sample->numbers[in_sample::flags]; sent.has(in_sample::flags))
+            r.flags.push_back(is_count(flags) ? static_cast<std::uint64_t>(flags) : 0);
     }
     reject_flagged(r);
     return r;

@@ -1,7 +1,6 @@
 #include "scenarios/assimilation/sensor_records.hpp"
 
 #include "engine/signal/median.hpp"
-#include "scenarios/recordings/device_channels.hpp"
 
 #include <fmt/format.h>
 
@@ -23,29 +22,18 @@ constexpr std::uint64_t bits_of(std::size_t first, std::size_t count) {
 
 } // namespace
 
-const std::vector<std::string>& sample_names() {
-    static const std::vector<std::string> all = [] {
-        std::vector<std::string> names{"strain", "seq", "ax", "ay", "az",    "gx",   "gy",
-                                       "gz",     "ux",  "uy", "uz", "qw",    "qx",   "qy",
-                                       "qz",     "mx",  "my", "mz", "flags", "phase"};
-        for (const DeviceChannel& channel : device_channels()) names.emplace_back(channel.column);
-        return names;
-    }();
-    return all;
-}
-
 bool SensorSample::has(std::size_t first, std::size_t numbers_from_it) const {
     return (sent & bits_of(first, numbers_from_it)) != 0;
 }
 
 SensorSample sample_of(const StreamRecord& record) {
     SensorSample sample;
-    for (std::size_t k = 0; k < sample_names().size(); ++k) {
-        const double number = record.number(sample_names()[k]);
+    for (std::size_t k = 0; k < channel_columns.size(); ++k) {
+        const double number = record.number(channel_columns[k]);
         sample.numbers.push_back(number);
         // without a valid number the strain comes from the machine
         const bool needs_number = k == in_sample::strain || k == in_sample::phase;
-        if (record.has(sample_names()[k]) && (!needs_number || std::isfinite(number)))
+        if (record.has(channel_columns[k]) && (!needs_number || std::isfinite(number)))
             sample.sent |= bits_of(k, 1);
     }
     return sample;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/stream/gate.hpp"
 
 #include <cstdint>
@@ -12,8 +13,8 @@
 
 namespace bris {
 
-/// The numbers that a SmartRock sent at one t, in the order of sample_names; the bits of `sent` say
-/// which of them it sent.
+/// The numbers that a SmartRock sent at one t, in the order of channel_columns; the bits of `sent`
+/// say which of them it sent.
 struct SensorSample {
     std::vector<double> numbers = {};
     std::uint64_t sent = 0;
@@ -24,11 +25,12 @@ struct SensorSample {
 SensorSample sample_of(const StreamRecord& record);
 bool same_numbers(const SensorSample& a, const SensorSample& b);
 
-/// Names of the numbers of a sample: those below, then the device channels.
-const std::vector<std::string>& sample_names();
+/// Places of the numbers of some channels in a sample.
 namespace in_sample {
-constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8,
-                      attitude = 11, field = 15, flags = 18, phase = 19, device = 20;
+inline constexpr std::size_t strain = place_of(&Recording::strain),
+                             phase = place_of(&Recording::phase),
+                             sequence = place_of(&Recording::sequence),
+                             flags = place_of(&Recording::flags);
 }
 
 /// What is known of a segment of a sensor's clock (SensorClock), by which it is placed beside the

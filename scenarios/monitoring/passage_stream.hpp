@@ -122,8 +122,7 @@ private:
     std::string name_of(double common) const;
 
     std::unique_ptr<Lines> lines_;
-    RecordParser parser_{"t",  "id", "seq", "flags", "end", "ax", "ay", "az", "gx",   "gy",
-                         "gz", "mx", "my",  "mz",    "qw",  "qx", "qy", "qz", "temp", "batt"};
+    RecordParser parser_{monitored_fields()};
     Gate gate_;
     PassageStreamSettings settings_;
     std::map<unsigned, Sensor> sensors_;

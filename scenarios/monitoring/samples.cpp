@@ -1,7 +1,5 @@
 #include "scenarios/monitoring/samples.hpp"
 
-#include "scenarios/recordings/device_channels.hpp"
-
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -12,10 +10,17 @@ namespace bris {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array names{"t",  "count", "ax", "ay", "az", "gx", "gy",    "gz",   "mx",
-                           "my", "mz",    "qw", "qx", "qy", "qz", "flags", "temp", "batt"};
+constexpr std::uint64_t bit(std::size_t column) { return std::uint64_t{1} << column; }
 
 } // namespace
+
+std::vector<std::string_view> monitored_fields() {
+    std::vector<std::string_view> fields{"t", "id", "end"};
+    for (const Channel& channel : all_channels)
+        for (std::size_t k = 0; !channel.is(Channel::unmonitored) && k < channel.size(); ++k)
+            fields.push_back(channel.column(k));
+    return fields;
+}
 
 double Samples::number(std::size_t row, std::size_t name) const {
     return column_[name] < 0 ? nan
@@ -23,7 +28,7 @@ double Samples::number(std::size_t row, std::size_t name) const {
 }
 
 /// Makes room for more columns in all rows.
-void Samples::widen(std::uint32_t wanted) {
+void Samples::widen(std::uint64_t wanted) {
     const auto before = column_;
     const std::size_t old_stride = stride_;
     has_ |= wanted;
@@ -48,26 +53,28 @@ void Samples::make_room() {
 }
 
 void Samples::add(const GatedRecord& record) {
-    std::uint32_t sent = 1;
-    if (record.count >= 0) sent |= 2;
-    for (std::size_t c = 2; c < columns; ++c)
-        if (record.record.has(names[c])) sent |= std::uint32_t{1} << c;
-    const auto whole = [&](std::size_t first, std::size_t count) { // vectors have all parts
-        const std::uint32_t bits = ((std::uint32_t{1} << count) - 1) << first;
-        if ((sent & bits) != 0) sent |= bits;
-    };
-    whole(force, 3), whole(rate, 3), whole(field, 3), whole(attitude, 4);
+    std::uint64_t sent = 1;
+    if (record.count >= 0) sent |= bit(count);
+    for (const Channel& channel : all_channels) {
+        const std::size_t first = 1 + channel.place;
+        if (channel.is(Channel::unmonitored) || first == count) continue;
+        for (std::size_t k = 0; k < channel.size(); ++k) // vectors have all parts
+            if (record.record.has(channel.column(k)))
+                sent |= bit(first + channel.size()) - bit(first);
+    }
     if (stride_ == 0 || (sent & ~has_) != 0) widen(sent);
     is_sorted_ = is_sorted_ && (empty() || record.t > time(size() - 1));
     make_room();
     const std::size_t begin = numbers_.size();
     numbers_.resize(begin + stride_, nan);
     numbers_[begin] = record.t;
+    for (std::size_t c = 1; c < columns; ++c)
+        if (column_[c] >= 0 && c != count)
+            numbers_[begin + static_cast<std::size_t>(column_[c])] =
+                record.record.number(channel_columns[c - 1]);
     if (record.count >= 0)
-        numbers_[begin + static_cast<std::size_t>(column_[1])] = static_cast<double>(record.count);
-    for (std::size_t c = 2; c < columns; ++c)
-        if (column_[c] >= 0)
-            numbers_[begin + static_cast<std::size_t>(column_[c])] = record.record.number(names[c]);
+        numbers_[begin + static_cast<std::size_t>(column_[count])] =
+            static_cast<double>(record.count);
     states_.push_back(State::unknown);
 }
 
@@ -150,31 +157,27 @@ Recording Samples::recording(const SensorInfo& info) const {
     Recording r;
     r.info = info;
     const auto has = [&](std::size_t name) { return column_[name] >= 0; };
-    const auto room = [&](bool wanted, auto& channel) {
-        if (wanted) channel.reserve(size());
-    };
-    bool counted = has(1);
-    for (std::size_t k = 0; k < size(); ++k) counted = counted && number(k, 1) >= 0;
-    room(true, r.time), room(counted, r.sequence), room(has(force), r.force);
-    room(has(rate), r.rate), room(has(field), r.field), room(has(attitude), r.attitude);
+    bool counted = has(count);
+    for (std::size_t k = 0; k < size(); ++k) counted = counted && number(k, count) >= 0;
+    std::vector<const Channel*> measured;
+    for (const Channel& channel : all_channels)
+        if (!channel.is_count() && has(1 + channel.place)) measured.push_back(&channel);
+    r.time.reserve(size());
+    if (counted) r.sequence.reserve(size());
+    for (const Channel* channel : measured)
+        channel->visit(r, [&](auto& values) { values.reserve(size()); });
     for (std::size_t k = 0; k < size(); ++k) {
         r.time.push_back(time(k));
-        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(number(k, 1)));
-        if (has(force)) r.force.push_back(force_at(k, info));
-        if (has(rate)) r.rate.push_back(rate_at(k, info));
-        if (has(field)) r.field.push_back(info.field_of(vector(k, field)));
-        if (has(attitude))
-            r.attitude.emplace_back(number(k, attitude), number(k, attitude + 1),
-                                    number(k, attitude + 2), number(k, attitude + 3));
+        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(number(k, count)));
+        for (const Channel* channel : measured) // components are next to each other
+            channel->append(
+                r, &numbers_[k * stride_ + static_cast<std::size_t>(column_[1 + channel->place])]);
         if (has(flags)) {
             const double bits = number(k, flags);
             r.flags.push_back(std::isnan(bits) ? 0
                               : is_count(bits) ? static_cast<std::uint64_t>(bits)
                                                : 1);
         }
-        for (std::size_t d = 0; d < device_channels().size(); ++d)
-            if (const DeviceChannel& channel = device_channels()[d]; has(device + d))
-                (r.*channel.values).push_back(channel.value_of_file(info, number(k, device + d)));
     }
     reject_flagged(r);
     return r;

@@ -1,12 +1,17 @@
 #pragma once
 
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/stream/gate.hpp"
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 #include <vector>
 
 namespace bris {
+
+/// Fields of a stream that the monitoring of a track reads.
+std::vector<std::string_view> monitored_fields();
 
 /// Samples of one sensor in order of time: a row of numbers each, with only the columns that its
 /// records have, 8 bytes a number: 64 bytes for a sample with six channels and a count.
@@ -28,10 +33,10 @@ public:
     bool has_rate() const { return column_[rate] >= 0; }
     /// In SI units and body axes.
     Vec3 force_at(std::size_t row, const SensorInfo& info) const {
-        return info.force_of(vector(row, force));
+        return channel_of(&Recording::force).value_of(info, vector(row, force));
     }
     Vec3 rate_at(std::size_t row, const SensorInfo& info) const {
-        return info.rate_of(vector(row, rate));
+        return channel_of(&Recording::rate).value_of(info, vector(row, rate));
     }
     /// Removes the rows from `begin` to before `end`, and returns them.
     Samples extract(std::size_t begin, std::size_t end);
@@ -43,16 +48,20 @@ public:
     std::size_t bytes() const { return size() * (8 * stride_ + 1); }
 
 private:
-    static constexpr std::size_t force = 2, rate = 5, field = 8, attitude = 11, flags = 15,
-                                 device = 16, columns = 18; // 0: time, 1: count
-    void widen(std::uint32_t wanted);
+    // columns: the time, then those of all channels, with the unwrapped count as sequence
+    static constexpr std::size_t columns = 1 + channel_columns.size(),
+                                 count = 1 + place_of(&Recording::sequence),
+                                 flags = 1 + place_of(&Recording::flags),
+                                 force = 1 + place_of(&Recording::force),
+                                 rate = 1 + place_of(&Recording::rate);
+    void widen(std::uint64_t wanted);
     void make_room();
     Vec3 vector(std::size_t row, std::size_t name) const {
         return {number(row, name), number(row, name + 1), number(row, name + 2)};
     }
     double number(std::size_t row, std::size_t name) const;
 
-    std::uint32_t has_ = 1;                     // bits of the columns
+    std::uint64_t has_ = 1;                     // bits of the columns
     std::array<std::int8_t, columns> column_{}; // place in a row; -1: it has none
     std::size_t stride_ = 0;
     std::vector<double> numbers_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/options.hpp"
 #include "engine/signal/autoregression.hpp"
 #include "engine/signal/control_chart.hpp"
 #include "engine/signal/roll_pitch_yaw.hpp"

@@ -1,5 +1,7 @@
 #include "scenarios/recordings/column_titles.hpp"
 
+#include "engine/io/csv.hpp"
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/recordings/unit_words.hpp"
 
 #include <algorithm>
@@ -11,33 +13,14 @@ namespace bris {
 
 namespace {
 
-using Names = std::vector<std::string>;
-
-/// Usual names in small letters without punctuation. For a vector the axis precedes or follows.
-const std::map<std::string, Names>& aliases() {
-    static const std::map<std::string, Names> all{
-        {"t", {"t", "time", "timestamp", "elapsedtime", "sampletime", "zeit"}},
-        {"id",
-         {"id", "sensor", "sensorid", "node", "nodeid", "device", "deviceid", "rock", "rockid",
-          "nr", "address"}},
-        {"seq",
-         {"seq", "sequence", "sequencenumber", "counter", "samplecounter", "packet",
-          "packetcounter"}},
-        {"flags", {"flags", "flag", "status", "error"}},
-        {"strain", {"strain", "axialstrain"}},
-        {"phase", {"phase", "cycle", "cycles", "loadcycle"}},
-        {"temp", {"temp", "temperature"}},
-        {"batt", {"batt", "battery", "vbat", "batteryvoltage", "batterylevel"}},
-        {"a", {"a", "acc", "accel", "acceleration", "accelerometer", "force", "specificforce"}},
-        {"g",
-         {"g", "gyr", "gyro", "gyroscope", "w", "omega", "rate", "angrate", "angularrate",
-          "angularvelocity", "rotationrate"}},
-        {"m", {"m", "mag", "magn", "magnetometer", "magneticfield", "field"}},
-        {"u", {"u", "disp", "displacement"}},
-        {"q", {"q", "quat", "quaternion"}},
-        {"axial_strain", {"axialstrain", "strain", "epsa", "epsilona", "ea"}},
-        {"deviatoric_stress_Pa", {"q", "deviatoricstress", "deviatorstress", "devstress"}},
-        {"volumetric_strain", {"volumetricstrain", "volstrain", "epsv", "epsilonv", "ev"}}};
+/// Usual names, in small letters without punctuation, of columns that are of no channel.
+const std::map<std::string, std::string_view>& titles_of_others() {
+    static const std::map<std::string, std::string_view> all{
+        {"t", "t time timestamp elapsedtime sampletime zeit"},
+        {"id", "id sensor sensorid node nodeid device deviceid rock rockid nr address"},
+        {"axial_strain", "axialstrain strain epsa epsilona ea"},
+        {"deviatoric_stress_Pa", "q deviatoricstress deviatorstress devstress"},
+        {"volumetric_strain", "volumetricstrain volstrain epsv epsilonv ev"}};
     return all;
 }
 
@@ -49,21 +32,28 @@ std::string plain(std::string_view text) {
     return letters;
 }
 
-bool is_called(const std::string& name, const std::string& ours) {
-    const bool is_vector =
-        ours.size() == 2 && std::string("agmuq").find(ours[0]) != std::string::npos;
-    const auto found = aliases().find(is_vector ? ours.substr(0, 1) : ours);
-    if (found == aliases().end()) return name == plain(ours);
-    if (!is_vector) return std::ranges::count(found->second, name) > 0;
-    const std::string axis = ours.substr(1);
-    Names axes{axis};
-    if (ours[0] == 'q') axes.push_back(std::string(1, "0123"[std::string("wxyz").find(axis)]));
-    return std::ranges::any_of(found->second, [&](const std::string& alias) {
-        return std::ranges::any_of(axes, [&](const std::string& a) {
-            return name == alias + a || name == alias + "axis" + a || name == a + alias ||
-                   name == a + "axis" + alias;
-        });
+/// Whether one of the titles is the name, or the name without `axis` before or after it.
+bool is_one_of(std::string_view titles, const std::string& name, const std::string& axis = "") {
+    return std::ranges::any_of(cells_of(titles, ' '), [&](std::string_view cell) {
+        const std::string title(cell);
+        return name == title + axis || name == axis + title ||
+               (!axis.empty() && (name == title + "axis" + axis || name == axis + "axis" + title));
     });
+}
+
+bool is_called(const std::string& name, const std::string& ours) {
+    const Channel* channel = channel_with(ours);
+    if (channel == nullptr) {
+        const auto other = titles_of_others().find(ours);
+        return other == titles_of_others().end() ? name == plain(ours)
+                                                 : is_one_of(other->second, name);
+    }
+    if (channel->size() == 1) return is_one_of(channel->names.titles, name);
+    const std::string axis = ours.substr(ours.size() - 1);
+    const auto number = std::string_view("wxyz").find(axis); // q0 q1 q2 q3
+    return is_one_of(channel->names.titles, name, axis) ||
+           (channel->size() == 4 &&
+            is_one_of(channel->names.titles, name, std::string(1, "0123"[number])));
 }
 
 /// Name and unit of "Time, ms", "acc_x_mg", "Time/s" or "timeMs", if the last word is one of these

@@ -2,7 +2,7 @@
 
 #include "engine/estimation/linear_fit.hpp"
 #include "engine/io/csv.hpp"
-#include "scenarios/recordings/device_channels.hpp"
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/recordings/inspection.hpp"
 
 #include <fmt/format.h>
@@ -27,10 +27,11 @@ public:
         if (r_.size() < 2)
             return refuse("length",
                           fmt::format("expected at least two samples, found {}", r_.size()));
-        if (r_.force.empty() && r_.rate.empty() && r_.field.empty() && r_.displacement.empty() &&
-            r_.attitude.empty())
-            return refuse("channels", "expected at least one of ax ay az, gx gy gz, mx my mz, "
-                                      "ux uy uz and qw qx qy qz, found none");
+        if (std::ranges::none_of(all_channels, [&](const Channel& channel) {
+                return channel.size() > 1 && channel.samples(r_) > 0;
+            }))
+            return refuse("channels", fmt::format("expected at least one of {}, found none",
+                                                  names_of_vectors(" and ")));
         if (!check_numbers() || !check_times() || !has_possible_strain(at_))
             return; // further checks would be meaningless
         at_.find_rest();
@@ -63,38 +64,25 @@ private:
     }
 
     bool check_numbers() {
-        const auto bad = [](const auto& values) {
-            return std::ranges::count_if(values, [](const auto& v) {
-                if constexpr (requires { v.coeffs(); })
-                    return !v.coeffs().allFinite();
-                else if constexpr (requires { v.allFinite(); })
-                    return !v.allFinite();
-                else
-                    return !std::isfinite(v);
-            });
-        };
-        const auto first = [&](const char* channel) {
-            const auto entry = r_.first_without.find(channel);
+        const auto first = [&](std::string_view columns) {
+            const auto entry = r_.first_without.find(std::string(columns));
             return entry == r_.first_without.end()
                        ? ""
-                       : fmt::format("; {}: the first at {}", channel, entry->second);
+                       : fmt::format("; {}: the first at {}", columns, entry->second);
         };
-        // without these channels a sample remains useful
-        const auto note_missing = [&](const char* channel, const auto& values) {
-            if (const auto count = bad(values); count > 0)
-                note("numbers", fmt::format("{} of {} samples have no number{}", count,
-                                            values.size(), first(channel)));
-        };
-        note_missing("strain", r_.strain);
-        note_missing("phase", r_.phase);
-        note_missing("mx my mz", r_.field);
-        for (const DeviceChannel& channel : device_channels())
-            note_missing(channel.column, r_.*channel.values);
-        const auto count =
-            bad(r_.force) + bad(r_.rate) + bad(r_.displacement) + bad(r_.attitude) + bad(r_.time);
-        std::string where;
-        for (const char* channel : {"t", "ax ay az", "gx gy gz", "ux uy uz", "qw qx qy qz"})
-            where += first(channel);
+        auto count = static_cast<std::size_t>(
+            std::ranges::count_if(r_.time, [](double t) { return !std::isfinite(t); }));
+        std::string where = first("t");
+        for (const Channel& channel : all_channels) {
+            const std::size_t missing = channel.without_number(r_);
+            if (!channel.is(Channel::sparse)) {
+                count += missing;
+                where += first(channel.names.columns);
+            } else if (missing > 0) { // a sample remains useful
+                note("numbers", fmt::format("{} of {} samples have no number{}", missing,
+                                            channel.samples(r_), first(channel.names.columns)));
+            }
+        }
         if (count > 0)
             refuse("numbers",
                    fmt::format("expected finite numbers, found {} that are not{}", count, where));

@@ -1,7 +1,7 @@
 #include "scenarios/records/draw_recordings.hpp"
 
 #include "engine/io/plot.hpp"
-#include "scenarios/recordings/device_channels.hpp"
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/records/draw_curves.hpp"
 
 #include <fmt/format.h>
@@ -32,38 +32,22 @@ void add_panel(std::vector<Plot>& panels, const RecordedTest& test, const std::s
     if (!panel.curves.empty()) panels.push_back(std::move(panel));
 }
 
-void add_vector(std::vector<Plot>& panels, const RecordedTest& test, const char* name,
-                const char* unit, double scale, std::vector<Vec3> Recording::*channel) {
-    for (Eigen::Index axis = 0; axis < 3; ++axis)
-        add_panel(
-            panels, test, fmt::format("{}{} ({})", name, "xyz"[axis], unit),
-            [&](const Recording& r) { return !(r.*channel).empty(); },
-            [&](const Recording& r, std::size_t k) { return scale * (r.*channel)[k][axis]; });
-}
-
 std::vector<Plot> panels_of_sensors(const RecordedTest& test) {
     std::vector<Plot> panels;
-    add_vector(panels, test, "a", "m/s2", 1, &Recording::force);
-    add_vector(panels, test, "g", "rad/s", 1, &Recording::rate);
-    add_vector(panels, test, "m", "uT", 1e6, &Recording::field);
-    add_vector(panels, test, "u", "mm", 1e3, &Recording::displacement);
-    for (int part = 0; part < 4; ++part)
-        add_panel(
-            panels, test, fmt::format("q{}", "wxyz"[part]),
-            [](const Recording& r) { return !r.attitude.empty(); },
-            [&](const Recording& r, std::size_t k) {
-                const Quat& q = r.attitude[k];
-                return std::array{q.w(), q.x(), q.y(), q.z()}[static_cast<std::size_t>(part)];
-            });
-    const auto add_numbers = [&](const std::string& label, double scale, auto channel) {
-        add_panel(
-            panels, test, label, [&](const Recording& r) { return !(r.*channel).empty(); },
-            [&](const Recording& r, std::size_t k) { return scale * (r.*channel)[k]; });
-    };
-    add_numbers("axial strain (%)", 100, &Recording::strain);
-    add_numbers("load cycles", 1, &Recording::phase);
-    for (const DeviceChannel& channel : device_channels())
-        add_numbers(channel.column, 1, channel.values);
+    for (const Channel* channel : channels_by_kind)
+        for (std::size_t part = 0; !channel->is_count() && part < channel->size(); ++part) {
+            const auto& [title, unit, scale] = channel->panel;
+            add_panel(
+                panels, test,
+                fmt::format("{}{}", title.empty() ? channel->column(part) : title,
+                            unit.empty() ? "" : fmt::format(" ({})", unit)),
+                [&](const Recording& r) { return channel->samples(r) > 0; },
+                [&](const Recording& r, std::size_t k) {
+                    return scale * channel->visit(r, [&](const auto& values) {
+                        return components_of(values[k])[part];
+                    });
+                });
+        }
     return panels;
 }
 

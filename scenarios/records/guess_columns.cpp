@@ -5,6 +5,7 @@
 #include "engine/io/whole_file.hpp"
 #include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/recordings/column_titles.hpp"
 #include "scenarios/recordings/unit_words.hpp"
 
@@ -241,12 +242,12 @@ private:
 
     /// A vector with components in different units, or without some of them, is none.
     void check_vectors() {
-        for (const char* vector : {"a", "g", "m", "u", "q"}) {
+        for (const Channel& channel : all_channels) {
             Cells there, missing;
-            for (const KnownColumn& ours : known_)
-                if (ours.name.size() == 2 && ours.name.starts_with(vector))
-                    (std::ranges::count(guess_.found, ours.name) > 0 ? there : missing)
-                        .push_back(ours.name);
+            for (std::size_t k = 0; k < channel.size(); ++k) {
+                const std::string column(channel.column(k));
+                (std::ranges::count(guess_.found, column) > 0 ? there : missing).push_back(column);
+            }
             if (there.empty() || missing.empty()) continue;
             throw InputError(fmt::format(
                 "{}: expected all components of a vector, found {} without {}, in the columns {}; "

@@ -4,6 +4,7 @@
 #include "engine/io/column_map.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/signal/median.hpp"
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/records/guess_columns.hpp"
 #include "scenarios/records/recorded_test.hpp"
 
@@ -72,17 +73,16 @@ void require_columns(const fs::path& csv, const std::vector<KnownColumn>& known,
     const bool has_linear = std::ranges::any_of(guess.titles, [](const std::string& title) {
         return title.find("inear") != std::string::npos;
     });
-    require(
-        !of_sensors || std::ranges::any_of(guess.found,
-                                           [](const std::string& name) {
-                                               return name == "ax" || name == "gx" ||
-                                                      name == "mx" || name == "ux" || name == "qw";
-                                           }),
-        fmt::format("{}: expected columns that look like ax ay az, gx gy gz, mx my mz, ux uy "
-                    "uz or qw qx qy qz, found none among {}{}",
-                    csv.string(), listed(guess.titles),
-                    has_linear ? "; linear acceleration lacks gravity: export acceleration with it"
-                               : "; rename them, or write a column map by hand"));
+    require(!of_sensors || std::ranges::any_of(all_channels,
+                                               [&](const Channel& channel) {
+                                                   return channel.size() > 1 &&
+                                                          is_found(std::string(channel.column(0)));
+                                               }),
+            fmt::format("{}: expected columns that look like {}, found none among {}{}",
+                        csv.string(), names_of_vectors(" or "), listed(guess.titles),
+                        has_linear
+                            ? "; linear acceleration lacks gravity: export acceleration with it"
+                            : "; rename them, or write a column map by hand"));
 }
 
 /// The form of the file by the map that is there, which somebody may have corrected, or else by one

@@ -1,13 +1,12 @@
 #include "scenarios/records/unit_evidence.hpp"
 
 #include "engine/signal/median.hpp"
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/records/machine_quality_control.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -32,12 +31,13 @@ constexpr Span peaks{0.1, 30};                  // largest q over the confining 
 constexpr double largest_strain = 0.5, most_dilation = 5;
 
 /// Median of the magnitudes of the vector with these columns, in the unit of the file.
-double median_norm(const FileNumbers& numbers, const std::array<const char*, 3>& names) {
+double median_norm(const FileNumbers& numbers, const Channel& channel) {
     std::vector<double> norms;
-    for (const char* name : names)
-        if (!numbers.has(name)) return nothing;
-    const auto &x = numbers.of.at(names[0]), &y = numbers.of.at(names[1]),
-               &z = numbers.of.at(names[2]);
+    const auto column = [&](std::size_t k) { return std::string(channel.column(k)); };
+    for (std::size_t k = 0; k < channel.size(); ++k)
+        if (!numbers.has(column(k))) return nothing;
+    const auto &x = numbers.of.at(column(0)), &y = numbers.of.at(column(1)),
+               &z = numbers.of.at(column(2));
     for (std::size_t k = 0; k < x.size(); ++k)
         if (const double norm = std::hypot(x[k], y[k], z[k]); std::isfinite(norm))
             norms.push_back(norm);
@@ -111,9 +111,9 @@ PossibleUnits units_of_times(const KnownColumn& column, const FileNumbers& numbe
 
 PossibleUnits units_of_vector(const KnownColumn& column, const FileNumbers& numbers) {
     PossibleUnits possible{column.units, ""};
-    const bool is_force = column.name[0] == 'a';
-    const double norm = is_force ? median_norm(numbers, {"ax", "ay", "az"})
-                                 : median_norm(numbers, {"mx", "my", "mz"});
+    const Channel& channel = *channel_with(column.name);
+    const bool is_force = &channel == &channel_of(&Recording::force);
+    const double norm = median_norm(numbers, channel);
     const Span expected = is_force ? gravity : field_of_earth;
     keep(possible.units, [&](double u) { return expected.holds(u * norm); });
     if (!possible.units.empty())
@@ -204,7 +204,8 @@ PossibleUnits possible_units(const KnownColumn& column, const FileNumbers& numbe
                              const FileEvidence& evidence) {
     const std::string& name = column.name;
     if (name == "t") return units_of_times(column, numbers, evidence);
-    if (name.size() == 2 && (name[0] == 'a' || name[0] == 'm'))
+    const Channel* const channel = channel_with(name);
+    if (channel == &channel_of(&Recording::force) || channel == &channel_of(&Recording::field))
         return units_of_vector(column, numbers);
     if (name == "deviatoric_stress_Pa") return units_of_stress(column, numbers, evidence);
     if (name.ends_with("strain")) return units_of_strain(column, numbers, evidence);

@@ -81,8 +81,8 @@ std::vector<std::pair<std::string_view, double>> StreamRecord::numbers() const {
     return all;
 }
 
-RecordParser::RecordParser(std::initializer_list<std::string_view> used)
-    : used_(used.size() == 0 ? ~std::uint64_t{0} : 0) {
+RecordParser::RecordParser(const std::vector<std::string_view>& used)
+    : used_(used.empty() ? ~std::uint64_t{0} : 0) {
     for (const std::string_view name : used) used_ |= bit(field_of(name));
 }
 

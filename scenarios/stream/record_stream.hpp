@@ -1,10 +1,11 @@
 #pragma once
 
 #include "engine/io/line_source.hpp"
+#include "scenarios/recordings/channels.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,68 +16,25 @@ namespace bris {
 
 /// Names of the numbers that records of a stream may have: those of SmartRocks, with the columns of
 /// recordings, and those of a test machine, with the columns of tests.
-inline constexpr std::array stream_fields = std::to_array<std::string_view>({
-    "t",
-    "id",
-    "seq",
-    "flags",
-    "strain",
-    "phase",
-    "end",
-    "ax",
-    "ay",
-    "az",
-    "gx",
-    "gy",
-    "gz",
-    "mx",
-    "my",
-    "mz",
-    "ux",
-    "uy",
-    "uz",
-    "qw",
-    "qx",
-    "qy",
-    "qz",
-    "temp",
-    "batt",
-    "axial_strain",
-    "deviatoric_stress_Pa",
-    "volumetric_strain",
-    "ring_1_radius_m",
-    "ring_2_radius_m",
-    "ring_3_radius_m",
-    "ring_4_radius_m",
-    "ring_5_radius_m",
-    "ring_6_radius_m",
-    "ring_7_radius_m",
-    "ring_8_radius_m",
-    "ring_9_radius_m",
-    "ring_10_radius_m",
-    "ring_11_radius_m",
-    "ring_12_radius_m",
-    "ring_13_radius_m",
-    "ring_14_radius_m",
-    "ring_15_radius_m",
-    "ring_16_radius_m",
-    "ring_17_radius_m",
-    "ring_18_radius_m",
-    "ring_19_radius_m",
-    "ring_20_radius_m",
-    "ring_21_radius_m",
-    "ring_22_radius_m",
-    "ring_23_radius_m",
-    "ring_24_radius_m",
-    "ring_25_radius_m",
-    "ring_26_radius_m",
-    "ring_27_radius_m",
-    "ring_28_radius_m",
-    "ring_29_radius_m",
-    "ring_30_radius_m",
-    "ring_31_radius_m",
-    "ring_32_radius_m",
-});
+inline constexpr auto stream_fields = [] {
+    constexpr std::string_view
+        first = "t id",
+        last = "end axial_strain deviatoric_stress_Pa volumetric_strain "
+               "ring_1_radius_m ring_2_radius_m ring_3_radius_m ring_4_radius_m ring_5_radius_m "
+               "ring_6_radius_m ring_7_radius_m ring_8_radius_m ring_9_radius_m ring_10_radius_m "
+               "ring_11_radius_m ring_12_radius_m ring_13_radius_m ring_14_radius_m "
+               "ring_15_radius_m ring_16_radius_m ring_17_radius_m ring_18_radius_m "
+               "ring_19_radius_m ring_20_radius_m ring_21_radius_m ring_22_radius_m "
+               "ring_23_radius_m ring_24_radius_m ring_25_radius_m ring_26_radius_m "
+               "ring_27_radius_m ring_28_radius_m ring_29_radius_m ring_30_radius_m "
+               "ring_31_radius_m ring_32_radius_m";
+    std::array<std::string_view, words_in(first) + channel_columns.size() + words_in(last)> all;
+    auto next = all.begin();
+    for (std::size_t k = 0; k < words_in(first); ++k) *next++ = word_of(first, k);
+    next = std::ranges::copy(channel_columns, next).out;
+    for (std::size_t k = 0; k < words_in(last); ++k) *next++ = word_of(last, k);
+    return all;
+}();
 static_assert(stream_fields.size() <= 64, "a record has one bit for each");
 
 /// Record that a SmartRock or a test machine sends at one time: those of the stream_fields that
@@ -111,7 +69,7 @@ private:
 class RecordParser {
 public:
     /// `used`: names of stream_fields; none: all of them.
-    explicit RecordParser(std::initializer_list<std::string_view> used = {});
+    explicit RecordParser(const std::vector<std::string_view>& used = {});
     /// Returns nothing for an empty line, a comment ("#") or a header. Throws InputError with the
     /// number of the line, the key or column, what was expected and what was found.
     std::optional<StreamRecord> parse(const LineSource::Line& line);

@@ -1,9 +1,11 @@
 #include "scenarios/stream/sensor_payload.hpp"
 
 #include "engine/errors.hpp"
+#include "scenarios/recordings/channels.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -18,18 +20,6 @@ static_assert(std::endian::native == std::endian::little && std::numeric_limits<
 
 constexpr std::uint8_t version = 1;
 constexpr double latest_time = 1e11, longest_interval = 3600; // s
-
-const std::array<std::vector<std::string>, 8>& names_of_channels() {
-    static const std::array<std::vector<std::string>, 8> all{{{"ax", "ay", "az"},
-                                                              {"gx", "gy", "gz"},
-                                                              {"mx", "my", "mz"},
-                                                              {"strain"},
-                                                              {"ux", "uy", "uz"},
-                                                              {"qw", "qx", "qy", "qz"},
-                                                              {"temp"},
-                                                              {"batt"}}};
-    return all;
-}
 
 template <class T>
 T number_at(std::string_view bytes, std::size_t place) {
@@ -49,10 +39,11 @@ void append(std::string& bytes, T number) {
 
 std::vector<std::string> SensorPayload::columns() const {
     std::vector<std::string> names;
-    for (std::size_t bit = 0; bit < names_of_channels().size(); ++bit)
-        if ((channels >> bit & 1) != 0)
-            names.insert(names.end(), names_of_channels()[bit].begin(),
-                         names_of_channels()[bit].end());
+    for (int bit = 0; bit < 8; ++bit) {
+        const auto sent = std::ranges::find(all_channels, bit, &Channel::payload_bit);
+        if ((channels >> bit & 1) == 0 || sent == all_channels.end()) continue;
+        for (std::size_t k = 0; k < sent->size(); ++k) names.emplace_back(sent->column(k));
+    }
     return names;
 }
 

@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "scenarios/recordings/device_channels.hpp"
+#include "scenarios/recordings/channels.hpp"
 #include "scenarios/stream/record_stream.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -134,11 +134,10 @@ TEST_SUITE("stream/record_stream") {
         }
     }
 
-    TEST_CASE("a stream can have every channel of a device, and no name stands twice") {
+    TEST_CASE("a stream can have every channel, and no name stands twice") {
         RecordParser parser;
-        for (const DeviceChannel& channel : device_channels())
-            CHECK(parser.parse(line(fmt::format("{{\"{}\": 1}}", channel.column)))
-                      ->has(channel.column));
+        for (const std::string_view column : channel_columns)
+            CHECK(parser.parse(line(fmt::format("{{\"{}\": 1}}", column)))->has(column));
         for (const std::string_view name : stream_fields)
             CHECK(std::ranges::count(stream_fields, name) == 1);
     }
