@@ -78,7 +78,7 @@ bool may_include_system(const std::string& file, const std::string& target) {
 
 /// The folders of scenarios/ in order. Each may include those before it; the executables may
 /// include all.
-constexpr std::array rooms{"rocks",        "recordings", "records",  "specimens",   "collision",
+constexpr std::array rooms{"rocks",        "sensors",    "records",  "specimens",   "collision",
                            "stream",       "triaxial",   "bulk",     "ballast_box", "field_tests",
                            "assimilation", "monitoring", "forecast", "network",     "python"};
 
@@ -208,7 +208,7 @@ TEST_SUITE("layering") {
         CHECK(may_include_house("scenarios/specimens/relax.cpp", "systems/steps.hpp"));
         CHECK(
             may_include_house("scenarios/triaxial/shear.cpp", "scenarios/records/test_curves.hpp"));
-        CHECK_FALSE(may_include_house("scenarios/recordings/recording.cpp",
+        CHECK_FALSE(may_include_house("scenarios/sensors/recording.cpp",
                                       "scenarios/triaxial/triaxial.hpp"));
         CHECK_FALSE(
             may_include_house("scenarios/rocks/grading.cpp", "scenarios/specimens/scene.hpp"));

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/archive.hpp"
-#include "scenarios/recordings/sensor_trajectory.hpp"
+#include "scenarios/sensors/sensor_trajectory.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
 #include "systems/fusion/fuse.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "scenarios/monitoring/train_fit.hpp"
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/sensors/recording.hpp"
 
 #include <string>
 

@@ -2,7 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
-#include "scenarios/recordings/naming.hpp"
+#include "scenarios/sensors/naming.hpp"
 
 #include <fmt/format.h>
 

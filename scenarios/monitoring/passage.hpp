@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/sensors/recording.hpp"
 
 #include <filesystem>
 #include <functional>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/channels.hpp"
+#include "scenarios/sensors/channels.hpp"
 #include "scenarios/stream/gate.hpp"
 
 #include <array>

@@ -7,7 +7,7 @@
 #include "engine/signal/spectrum.hpp"
 #include "scenarios/monitoring/passage.hpp"
 #include "scenarios/monitoring/vibration.hpp"
-#include "scenarios/recordings/quality_control.hpp"
+#include "scenarios/sensors/quality_control.hpp"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/signal/roll_pitch_yaw.hpp"
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/sensors/recording.hpp"
 
 #include <string>
 #include <vector>

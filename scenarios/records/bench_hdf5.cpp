@@ -2,7 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/signal/median.hpp"
-#include "scenarios/recordings/hdf5_recordings.hpp"
+#include "scenarios/sensors/hdf5_recordings.hpp"
 
 #include <fmt/format.h>
 

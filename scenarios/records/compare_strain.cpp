@@ -1,8 +1,8 @@
 #include "scenarios/records/compare_strain.hpp"
 
 #include "engine/signal/median.hpp"
-#include "scenarios/recordings/inspection.hpp"
 #include "scenarios/records/machine_quality_control.hpp"
+#include "scenarios/sensors/inspection.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 #include "scenarios/records/draw_recordings.hpp"
 
 #include "engine/io/plot.hpp"
-#include "scenarios/recordings/channels.hpp"
 #include "scenarios/records/draw_curves.hpp"
+#include "scenarios/sensors/channels.hpp"
 
 #include <fmt/format.h>
 

@@ -5,9 +5,9 @@
 #include "engine/io/whole_file.hpp"
 #include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
-#include "scenarios/recordings/channels.hpp"
-#include "scenarios/recordings/column_titles.hpp"
-#include "scenarios/recordings/unit_words.hpp"
+#include "scenarios/sensors/channels.hpp"
+#include "scenarios/sensors/column_titles.hpp"
+#include "scenarios/sensors/unit_words.hpp"
 
 #include <fmt/format.h>
 

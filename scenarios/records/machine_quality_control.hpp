@@ -1,7 +1,7 @@
 #pragma once
 
-#include "scenarios/recordings/quality_control.hpp"
 #include "scenarios/records/test_curves.hpp"
+#include "scenarios/sensors/quality_control.hpp"
 
 #include <limits>
 #include <vector>

@@ -4,9 +4,9 @@
 #include "engine/io/column_map.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/signal/median.hpp"
-#include "scenarios/recordings/channels.hpp"
 #include "scenarios/records/guess_columns.hpp"
 #include "scenarios/records/recorded_test.hpp"
+#include "scenarios/sensors/channels.hpp"
 
 #include <fmt/format.h>
 

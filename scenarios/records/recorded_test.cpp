@@ -3,11 +3,11 @@
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
 #include "engine/io/unfinished_file.hpp"
-#include "scenarios/recordings/naming.hpp"
 #include "scenarios/records/bench_hdf5.hpp"
 #include "scenarios/records/compare_strain.hpp"
 #include "scenarios/records/machine_file.hpp"
 #include "scenarios/records/machine_quality_control.hpp"
+#include "scenarios/sensors/naming.hpp"
 
 #include <fmt/format.h>
 

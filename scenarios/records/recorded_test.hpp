@@ -1,10 +1,10 @@
 #pragma once
 
 #include "engine/io/column_map.hpp"
-#include "scenarios/recordings/quality_control.hpp"
-#include "scenarios/recordings/sensor_trajectory.hpp"
 #include "scenarios/records/synchronise.hpp"
 #include "scenarios/records/test_curves.hpp"
+#include "scenarios/sensors/quality_control.hpp"
+#include "scenarios/sensors/sensor_trajectory.hpp"
 
 #include <filesystem>
 #include <string>

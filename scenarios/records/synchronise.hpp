@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/quality_control.hpp"
+#include "scenarios/sensors/quality_control.hpp"
 
 #include <map>
 #include <optional>

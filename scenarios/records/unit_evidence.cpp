@@ -1,8 +1,8 @@
 #include "scenarios/records/unit_evidence.hpp"
 
 #include "engine/signal/median.hpp"
-#include "scenarios/recordings/channels.hpp"
 #include "scenarios/records/machine_quality_control.hpp"
+#include "scenarios/sensors/channels.hpp"
 
 #include <fmt/format.h>
 

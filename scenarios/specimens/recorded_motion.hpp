@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/sensors/recording.hpp"
 #include "scenarios/specimens/specimen.hpp"
 #include "systems/recorder/record_motion.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "engine/io/broker_link.hpp"
 #include "engine/io/line_source.hpp"
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/sensors/recording.hpp"
 #include "scenarios/stream/sensor_payload.hpp"
 #include "scenarios/stream/sequence_track.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/sensors/recording.hpp"
 #include "scenarios/stream/clock.hpp"
 #include "scenarios/stream/counter.hpp"
 #include "scenarios/stream/record_stream.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/io/line_source.hpp"
-#include "scenarios/recordings/channels.hpp"
+#include "scenarios/sensors/channels.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 
 #include "engine/io/broker_client.hpp"
 #include "engine/scenario.hpp"
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/sensors/recording.hpp"
 #include "scenarios/stream/broker_lines.hpp"
 #include "scenarios/stream/logged_lines.hpp"
 #include "scenarios/stream/logged_link.hpp"

@@ -1,7 +1,7 @@
 #include "scenarios/stream/sensor_payload.hpp"
 
 #include "engine/errors.hpp"
-#include "scenarios/recordings/channels.hpp"
+#include "scenarios/sensors/channels.hpp"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
-#include "scenarios/recordings/recording.hpp"
 #include "scenarios/rocks/own_rocks.hpp"
+#include "scenarios/sensors/recording.hpp"
 #include "scenarios/specimens/specimen.hpp"
 #include "scenarios/triaxial/triaxial.hpp"
 

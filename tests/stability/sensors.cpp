@@ -2,7 +2,7 @@
 // as without these samples.
 #include "engine/random.hpp"
 #include "engine/signal/imu.hpp"
-#include "scenarios/recordings/quality_control.hpp"
+#include "scenarios/sensors/quality_control.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "tests/stability/cases.hpp"

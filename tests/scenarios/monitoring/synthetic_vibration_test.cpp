@@ -1,7 +1,7 @@
 #include "engine/errors.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
 #include "scenarios/monitoring/vibration.hpp"
-#include "scenarios/recordings/quality_control.hpp"
+#include "scenarios/sensors/quality_control.hpp"
 
 #include <doctest/doctest.h>
 

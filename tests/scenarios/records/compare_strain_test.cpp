@@ -1,5 +1,5 @@
 #include "scenarios/records/recorded_test.hpp"
-#include "tests/scenarios/recordings/example_recordings.hpp"
+#include "tests/scenarios/sensors/example_recordings.hpp"
 
 #include <doctest/doctest.h>
 

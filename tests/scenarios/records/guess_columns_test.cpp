@@ -4,9 +4,9 @@
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
 #include "engine/io/whole_file.hpp"
-#include "scenarios/recordings/unit_words.hpp"
 #include "scenarios/records/guess_columns.hpp"
 #include "scenarios/records/recorded_test.hpp"
+#include "scenarios/sensors/unit_words.hpp"
 #include "tests/engine/io/encoded.hpp"
 #include "tests/temporary_directory.hpp"
 

@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "scenarios/recordings/channels.hpp"
+#include "scenarios/sensors/channels.hpp"
 #include "scenarios/stream/record_stream.hpp"
 #include "tests/temporary_directory.hpp"
 

@@ -1,7 +1,7 @@
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/sensors/recording.hpp"
 #include "scenarios/triaxial/make_specimen.hpp"
 #include "tests/temporary_directory.hpp"
 
