@@ -52,9 +52,9 @@ inline Range between(double low, double high) {
 
 /// Members of a settings struct under the names that a user sees: flags of the command line
 /// (`--confining-pressure 110e3`), keys of a config file (`confining_pressure = 110e3`), entries of
-/// --help, and keys of the settings written with the results. A struct describes itself:
+/// --help, and keys of the settings written with the results. A struct declares its options itself:
 ///
-///     void describe(auto& option) {
+///     void declare_options(auto& option) {
 ///         option("confining_pressure", confining_pressure, "Pa",
 ///                "Pressure on the membrane.", above(0, 1e8));
 ///         option("law", law, "", "Contact law.", {"linear", "hertz"});

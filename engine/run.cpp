@@ -187,7 +187,7 @@ std::filesystem::path Run::file(const std::string& name, const std::string& exte
                               : name + extension);
 }
 
-void Run::describe(Summary& summary) const {
+void Run::add_to_summary(Summary& summary) const {
     summary.add("steps", steps_in_phase());
     summary.add("wall_time_s", seconds_since(began_));
     const StepCount& count = simulation_.count();

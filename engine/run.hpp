@@ -127,7 +127,7 @@ public:
 
     /// Adds the results that every run has: steps of the last phase, wall times, and the
     /// fingerprint of the State.
-    void describe(Summary& summary) const;
+    void add_to_summary(Summary& summary) const;
 
 private:
     struct Kept {

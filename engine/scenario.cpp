@@ -134,7 +134,7 @@ struct CommonFlags {
     double memory = 0;
     unsigned ranks = 1;
 
-    void describe(Options& option, Common& common) {
+    void declare_options(Options& option, Common& common) {
         option.group("Options of every scenario");
         option("out", common.out, "", "Folder in which the results are written.");
         option("assets", common.assets, "",
@@ -191,7 +191,7 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
     common.out = std::filesystem::path("results") / info.name;
     common.arguments.assign(argv + std::min(argc, 1), argv + argc);
     CommonFlags flags;
-    flags.describe(options, common);
+    flags.declare_options(options, common);
     if (!parse_or_answer(options, common.arguments, info.name, info.description)) return false;
     refuse_flag("--resume", !common.resume.empty(), info.cannot_resume);
     refuse_flag("--explain", common.explain, info.cannot_explain);

@@ -82,7 +82,7 @@ int run_scenario(int argc, char** argv, const ScenarioInfo& info, Check&& check,
         find_assets(argc, argv);
         Settings settings;
         Options options;
-        settings.describe(options);
+        settings.declare_options(options);
         Common common;
         if (!detail::parse_flags(options, common, argc, argv, info)) return;
         const Settings& given = settings;

@@ -289,7 +289,7 @@ void run(const BallastBox& box, const Common& common) {
     summary.add("time_step_s", world.resource<Clock>().dt);
     summary.add("stable_step_s", last.stable_step());
     add_quantities(summary, last.quantities());
-    run.describe(summary);
+    run.add_to_summary(summary);
     if (!first.empty())
         summary.show({"cycles_done", "peak_load_kN", "settlement_mm", "settlement_first_cycle_mm",
                       "resilient_deflection_mm", "track_stiffness_kN_per_mm",

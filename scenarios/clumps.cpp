@@ -18,7 +18,7 @@ struct Clumps {
     unsigned restarts = 4;
     std::string method = "fitted";
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("count", library.count, "", "Number of random rocks.", within(1, 10000));
         option("spheres", spheres, "", "Number of spheres in a clump.", within(4, 1000));
         option("least_radius", library.fill.fit.min_radius, "sieve",
@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
             library.fill.method =
                 settings.method == "fitted" ? FillMethod::fitted : FillMethod::level_set;
             Report summary;
-            summary.show_sentence(describe(make_library(library)));
+            summary.show_sentence(sentence_of(make_library(library)));
             summary.show_sentence("More about each clump is in report.csv; lengths are in units of "
                                   "the sieve size.");
             report_results(common, summary);

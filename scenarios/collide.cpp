@@ -8,7 +8,7 @@
 #include "engine/io/csv.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/fusion/sensor_filter.hpp"
 
 namespace {
@@ -42,7 +42,7 @@ struct CollideSettings {
     Material material = glass();
     std::string law = "hertz_mindlin_viscous";
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Balls");
         option("balls", collide.balls, "", "Number of balls, including the one with the sensor.",
                within(2, 1000));

@@ -131,7 +131,7 @@ public:
         s.add("time_step_s", world.resource<Clock>().dt);
         if (world.has_resource<Fouling>()) add_fouling_results(s, world);
         if (box_.fines == "grains") s.add("grains", grains_in(world));
-        run_->describe(s);
+        run_->add_to_summary(s);
         s.show({"peak_shear_stress_Pa", "peak_friction_angle_deg", "peak_displacement_m",
                 "residual_friction_angle_deg", "dilation_m", "shear_force_imbalance",
                 "relative_energy_error", "wall_time_s"});

@@ -36,7 +36,7 @@ struct DrumTest {
     BulkSettings bulk{
         .duration = 5, .sample_interval = 0.02, .bed = {.step = 1.2e-6, .longest_rest = 0.03}};
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Drum");
         option("small_spheres", small_spheres, "",
                "Number of small spheres (material M1), which form the upper layer.",
@@ -53,7 +53,7 @@ struct DrumTest {
         option("speed", speed, "rad/s", "Angular velocity of the drum.", within(-100, 100));
         option("sectors", drum.sectors, "", "Number of flat sectors of the drum's wall.",
                within(8, 720));
-        bulk.describe(option);
+        bulk.declare_options(option);
     }
 };
 

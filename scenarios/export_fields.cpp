@@ -23,7 +23,7 @@ struct ExportFields {
     FieldSetSettings set;
     std::string fields = {};
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("from", from, "",
                "Checkpoint NAME.ckpt.h5 of any scenario, or NAME.stopped.ckpt.h5 of a run that a "
                "guard has stopped.");

@@ -32,7 +32,7 @@ struct Forecast {
     std::uint64_t site_seed = 1;
     unsigned run_in = 2;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Forecast");
         option("ensemble", ensemble, "",
                "Folder of results of a run that has made the ensemble. Default: it is made again.");
@@ -69,7 +69,7 @@ struct Forecast {
                within(0, 0.5));
         option("recording_noise", errors.noise, "m/N",
                "Standard deviation of what noise adds to a recorded compliance.", within(0, 1e-8));
-        design.spread.describe(option);
+        design.spread.declare_options(option);
         BallastBox& box = design.box;
         option.group("Ballast");
         option("run", box.run, "",
@@ -79,9 +79,9 @@ struct Forecast {
                {"I.2", "I.4", "II.2", "II.3", "II.4"});
         option("width", box.width, "m", "Width of the slice along the track.", within(0.1, 0.61));
         option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks.", within(1, 4));
-        box.describe_ballast(option);
+        box.declare_ballast_options(option);
         option.group("Track");
-        box.describe_track(option);
+        box.declare_track_options(option);
         option.group("Simulation");
         option("rest", box.rest, "",
                "Unbalanced force ratio at which a bed is at rest before trains pass.",

@@ -38,7 +38,7 @@ struct ImpactTest {
     BulkSettings bulk{
         .duration = 0.1, .sample_interval = 5e-4, .bed = {.step = 1e-6, .longest_rest = 0.03}};
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Impact");
         option("spheres", spheres, "",
                "Number of spheres in the bed (25 000, 50 000 or 100 000 in the paper).",
@@ -49,7 +49,7 @@ struct ImpactTest {
         option("speed", speed, "m/s", "Downward speed of the ball at time 0.", within(0, 100));
         option("length", length, "m", "Length of the box along x.", above(0, 100));
         option("width", width, "m", "Width of the box along y.", above(0, 100));
-        bulk.describe(option);
+        bulk.declare_options(option);
     }
 };
 

@@ -34,7 +34,7 @@ struct Demo {
     std::string host = "127.0.0.1";
     unsigned port = 0;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("recordings", recordings, "",
                "Folder with recordings.csv and test.csv of a test at 55 kPa; the folder above it "
                "has the metadata of the sensors.");

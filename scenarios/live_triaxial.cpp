@@ -9,15 +9,15 @@
 #include "engine/message.hpp"
 #include "engine/report.hpp"
 #include "engine/stopwatch.hpp"
-#include "scenarios/assimilation/checkpointed_run.hpp"
-#include "scenarios/assimilation/compared_curves.hpp"
-#include "scenarios/assimilation/learning_results.hpp"
-#include "scenarios/assimilation/live_model.hpp"
-#include "scenarios/assimilation/live_prediction.hpp"
-#include "scenarios/assimilation/live_results.hpp"
-#include "scenarios/assimilation/live_test.hpp"
-#include "scenarios/assimilation/misfit.hpp"
-#include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/ensemble/checkpointed_run.hpp"
+#include "scenarios/ensemble/compared_curves.hpp"
+#include "scenarios/ensemble/learning_results.hpp"
+#include "scenarios/ensemble/live_model.hpp"
+#include "scenarios/ensemble/live_results.hpp"
+#include "scenarios/ensemble/live_test.hpp"
+#include "scenarios/ensemble/misfit.hpp"
+#include "scenarios/ensemble/run_models.hpp"
+#include "scenarios/library/live_prediction.hpp"
 #include "scenarios/monitoring/preparation_time.hpp"
 #include "scenarios/monitoring/test_report.hpp"
 #include "scenarios/records/quality_control_report.hpp"
@@ -55,7 +55,7 @@ struct Live {
         triaxial.confining_pressure = {55e3};
         triaxial.test.final_axial_strain = 0.025;
     }
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Stream");
         option("stream", stream, "",
                "Source of the records, one JSON object or CSV line each: - (standard input), a "
@@ -91,7 +91,7 @@ struct Live {
                "Use the attitudes qw, qx, qy, qz where records contain them. Otherwise only the "
                "tilt relative to gravity is used.");
         option.group("Broker");
-        broker.describe(option);
+        broker.declare_options(option);
         option.group("Model");
         option("model_friction", model.friction, "",
                "Friction coefficient between rocks in the prior (the median).", above(0, 100));
@@ -104,15 +104,15 @@ struct Live {
                "Number of stages that the second generation of ensemble members advances for each "
                "stage of the test until it has caught up.",
                within(2, 10000));
-        learning.describe(option);
+        learning.declare_options(option);
         option(
             "library", library, "",
             "Library of specimens (specimen_library), from which the measurements so far predict "
             "the rest of the test, if the library fits the model: a file, a folder of libraries, "
             "of which the one is used that fits, or none.");
-        triaxial.describe(option);
+        triaxial.declare_options(option);
         option.group("Files");
-        written.describe(option, write_of_estimate);
+        written.declare_options(option, write_of_estimate);
     }
 };
 
@@ -201,7 +201,7 @@ void LiveRun::record_stage(const RecordedTest& so_far, double latest) {
     const double strain = curves[quantity::axial_strain].back(),
                  q = curves[quantity::deviatoric_stress].back();
     rows_.push_back({strain, q, curves[quantity::volumetric_strain].back()});
-    for (const NamedValue& v : describe(model_->estimate()))
+    for (const NamedValue& v : named_values_of(model_->estimate()))
         rows_.back().push_back(std::get<double>(v.value));
     frames_->file().add_row("stages", rows_.back());
     rows_.back().push_back(latest); // kept out of the run file, since it differs from run to run
@@ -232,9 +232,9 @@ void LiveRun::predict(const RecordedTest& so_far) {
     if (!prediction_->update(model_->strain(), so_far)) return;
     prediction_->write(common_.out);
     progress_.pause();
-    report_news(common_, "          " + described(prediction_->last()));
+    report_news(common_, "          " + sentence_of(prediction_->last()));
     if (prediction_->rings().strain > before)
-        report_news(common_, "          " + described(prediction_->rings()));
+        report_news(common_, "          " + sentence_of(prediction_->rings()));
 }
 
 /// Writes the positions of all rocks in the analysis, and flushes them to disk with all rows so
@@ -276,7 +276,7 @@ void LiveRun::follow() {
 void LiveRun::prepare() {
     prediction_.emplace(s_.library, common_.settings, test_settings_.core_porosity(),
                         test_settings_.confining_pressure);
-    if (!prediction_->reason().empty()) report_news(common_, described(prediction_->last()));
+    if (!prediction_->reason().empty()) report_news(common_, sentence_of(prediction_->last()));
     preparation_.emplace(
         [this](const std::string& doing, double left) {
             if (broker_) broker_->report_doing(doing, left);
@@ -363,7 +363,7 @@ void LiveRun::show_answers(Report& summary, const RecordedTest& measured) const 
     summary.show({"records", "latency_median_s", "latency_largest_s"});
     if (prediction_->last().not_used.empty())
         summary.show({"library_friction", "library_distance"});
-    summary.show_sentence(described(prediction_->last()));
+    summary.show_sentence(sentence_of(prediction_->last()));
     summary.show_sentence(verdict_on(measured));
     if (!not_compared_.empty())
         summary.show_sentence("no comparison with the model alone: " + not_compared_);
@@ -387,7 +387,7 @@ void LiveRun::report() {
               {&measured.curves, free_ ? &free_->curves : nullptr, &model_->state().curves}, rows_,
               *prediction_, s_.learning.final_strain);
     Report summary;
-    summary.add(describe(model_->estimate()));
+    summary.add(named_values_of(model_->estimate()));
     const auto add = [&](const char* name, const ModelRun& run) {
         const Misfit m = misfit_of(measured, run);
         summary.add(fmt::format("{}_rmse_q_Pa", name), m.q);

@@ -4,8 +4,8 @@
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/report.hpp"
-#include "scenarios/assimilation/library_use.hpp"
-#include "scenarios/assimilation/material_estimate.hpp"
+#include "scenarios/library/library_use.hpp"
+#include "scenarios/library/material_estimate.hpp"
 #include "scenarios/records/machine_file.hpp"
 #include "scenarios/records/machine_quality_control.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
@@ -24,7 +24,7 @@ struct CardRun {
     std::filesystem::path library = assets_folder() / "libraries" / "arema_4_400_rocks.h5";
     double pressure = 110e3, porosity = 0, diameter = 0, learning_strain = 0;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Test");
         option("test", test, "",
                "CSV file of the measured test with the columns axial_strain, "

@@ -39,7 +39,7 @@ struct Monitor {
     double speed = 0;
     std::string required = "nothing";
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Recordings");
         option(
             "recordings", recordings, "",
@@ -69,7 +69,7 @@ struct Monitor {
         option("timeout", of_stream.timeout, "s",
                "Time without a record after which the stream counts as ended.", above(0, 1e7));
         option.group("Broker");
-        broker.describe(option);
+        broker.declare_options(option);
         option("speed", speed, "",
                "Speed at which a log of a broker is given again, relative to the times of arrival. "
                "0: as fast as possible.",
@@ -85,7 +85,7 @@ struct Monitor {
         option("example_duration", synthetic.duration, "s", "Time that a passage takes.",
                within(2, 3600));
         option.group("Comparison");
-        settings.describe(option);
+        settings.declare_options(option);
         option("require", required, "",
                "all: end with exit code 5 if something that was recorded was not judged.",
                {"nothing", "all"});

@@ -28,7 +28,7 @@ struct Judged {
     Triaxial model{.test = {.preparation = "report"}}; // as of smart_triaxial
     double displacement_deviation = 1e-3, rotation_deviation = 0.1;
 
-    void describe(Options& option) {
+    void declare_options(Options& option) {
         option("recordings", recordings, "",
                "Folder of the recordings: rock_NN.txt for each sensor, and for each pressure a "
                "folder such as 55kPa with recordings.csv (or recordings.h5) and test.csv. May be "
@@ -55,7 +55,7 @@ struct Judged {
         option("rotation_deviation", rotation_deviation, "rad",
                "Standard deviation of a model's rotation of a rock, likewise.", above(0, 10));
         option.group("Specimen of the model, in which the sensor rocks are placed");
-        model.describe_mould(option);
+        model.declare_mould_options(option);
         option.group("A new folder of recordings");
         option("new", sensors, "",
                "CSV file of another make with samples of sensors, from which --out becomes a new "

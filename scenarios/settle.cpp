@@ -28,8 +28,8 @@ struct Settle {
     bool relax = false;
     WriteOption written;
 
-    void describe(auto& option) {
-        bed.describe(option);
+    void declare_options(auto& option) {
+        bed.declare_options(option);
         option("duration", duration, "s", "Simulated time.", above(0, 1e6));
         option("sleep", sleep, "",
                "Unbalanced force, relative to the weight, below which a sphere falls asleep. It "
@@ -37,7 +37,7 @@ struct Settle {
                within(0, 10));
         option("relax", relax, "",
                "Relax deep overlaps of the start before the simulation begins.");
-        written.describe(option, write_of_spheres);
+        written.declare_options(option, write_of_spheres);
     }
 };
 
@@ -126,7 +126,7 @@ void run(const Settle& settings, const Common& common) {
     if (settings.sleep > 0) summary.add("sleepers", sleepers(world));
     summary.add("rebuilds", world.resource<ListState>().rebuilds);
     summary.add("prunes", world.resource<ListState>().prunes);
-    run.describe(summary);
+    run.add_to_summary(summary);
     summary.show({"floor_force_over_weight", "coordination", "contacts", "largest_overlap_m",
                   "unbalanced_ratio", "steps", "wall_time_s", "particle_steps_per_s"});
     report_results(common, summary);

@@ -39,7 +39,7 @@ struct SiloTest {
     BulkSettings bulk{
         .duration = 5, .sample_interval = 0.02, .bed = {.step = 3e-6, .longest_rest = 0.05}};
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Silo");
         option("orifice", orifice, "",
                "Size of the orifice. large: radius 0.03 m. small: radius 0.02 m.",
@@ -56,7 +56,7 @@ struct SiloTest {
                "Discharge rate through the other orifice, for the ratio of large to small. 0: not "
                "known.",
                within(0, 1e9));
-        bulk.describe(option);
+        bulk.declare_options(option);
     }
 };
 

@@ -8,15 +8,15 @@
 #include "engine/io/whole_file.hpp"
 #include "engine/report.hpp"
 #include "engine/stopwatch.hpp"
-#include "scenarios/assimilation/checkpointed_run.hpp"
-#include "scenarios/assimilation/generations.hpp"
-#include "scenarios/assimilation/learning_results.hpp"
-#include "scenarios/assimilation/library_member.hpp"
-#include "scenarios/assimilation/library_use.hpp"
-#include "scenarios/assimilation/misfit.hpp"
-#include "scenarios/assimilation/ring_estimate.hpp"
-#include "scenarios/assimilation/run_models.hpp"
-#include "scenarios/assimilation/smart_results.hpp"
+#include "scenarios/ensemble/checkpointed_run.hpp"
+#include "scenarios/ensemble/generations.hpp"
+#include "scenarios/ensemble/learning_results.hpp"
+#include "scenarios/ensemble/misfit.hpp"
+#include "scenarios/ensemble/run_models.hpp"
+#include "scenarios/library/library_member.hpp"
+#include "scenarios/library/library_use.hpp"
+#include "scenarios/library/ring_estimate.hpp"
+#include "scenarios/library/smart_results.hpp"
 #include "scenarios/records/quality_control_report.hpp"
 #include "scenarios/records/recorded_test.hpp"
 #include "scenarios/specimens/write_option.hpp"
@@ -49,7 +49,7 @@ struct Smart {
         corrections.filter.gate = 0.999;
         corrections.nudging = {0, 100, 0.01};
     }
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Recordings");
         option("recordings", recordings, "",
                "Folder of the recordings: rock_NN.txt for each sensor, and for each pressure a "
@@ -75,7 +75,7 @@ struct Smart {
         option("model_stiffness", model.stiffness, "",
                "Contact stiffness in the prior (the median), relative to --clump-stiffness.",
                above(0, 1e6));
-        learning.describe(option);
+        learning.declare_options(option);
         option(
             "library", library, "",
             "Library of specimens (specimen_library), from which the beginning of each test "
@@ -110,9 +110,9 @@ struct Smart {
                above(0, 10));
         option("stage_time", stage_time, "s",
                "Time that the real test took for 0.01 % of axial strain.", above(0, 1e6));
-        triaxial.describe(option);
+        triaxial.declare_options(option);
         option.group("Files");
-        written.describe(option, write_of_clumps);
+        written.declare_options(option, write_of_clumps);
     }
 };
 
@@ -200,18 +200,18 @@ void Computation::predict_from_library() {
         TestPrediction& predicted = done_[k].library;
         predicted =
             predict_test(library_, model, test.curves, {.strain = s_.learning.final_strain}, true);
-        report_news(common_, fmt::format("{}: {}", folder, described(predicted)));
+        report_news(common_, fmt::format("{}: {}", folder, sentence_of(predicted)));
         if (!predicted.not_used.empty()) continue;
         require(s_.corrections.nudging.stiffness <= 0,
                 "--nudging-stiffness: expected --library none; where a library predicts the test, "
                 "no model is nudged");
         done_[k].members = favoured(predicted.weights, s_.running_members);
         report_news(common_, fmt::format("{}: the specimens that go on with the test: {}", folder,
-                                         described(library_, done_[k].members)));
+                                         sentence_of(library_, done_[k].members)));
         write_prediction(common_.out / folder / "predicted.csv", predicted.predicted.curves);
         RingEstimate& rings = done_[k].rings;
         rings = estimate_rings(library_, model, test, test.curves[quantity::axial_strain].back());
-        report_news(common_, fmt::format("{}: {}", folder, described(rings)));
+        report_news(common_, fmt::format("{}: {}", folder, sentence_of(rings)));
         if (rings.not_made.empty())
             write_rings(common_.out / folder / "rings.csv", rings,
                         ring_strains(test.curves, rings.strain));
@@ -249,7 +249,7 @@ void report_learned(const Common& common, const std::string& test,
                     const std::vector<EstimateAt>& estimates) {
     std::string text;
     if (!estimates.empty())
-        for (const NamedValue& v : describe(estimates.back().estimate))
+        for (const NamedValue& v : named_values_of(estimates.back().estimate))
             text += fmt::format("{}{} {:.3f}", text.empty() ? "" : ", ", v.key,
                                 std::get<double>(v.value));
     report_news(common,

@@ -13,8 +13,8 @@ namespace bris {
 
 namespace {
 
-void describe_link(auto& option, const std::string& name, const std::string& which,
-                   LinkProperties& link) {
+void declare_link_options(auto& option, const std::string& name, const std::string& which,
+                          LinkProperties& link) {
     option(name + "_bandwidth", link.bandwidth, "bit/s",
            "Bandwidth of the link from " + which + ".", within(1, 1e12));
     option(name + "_latency", link.latency, "s", "Delay of a packet on that link.",
@@ -40,7 +40,7 @@ struct Network {
     std::string strategy = "all";
     std::filesystem::path changes;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Network");
         option("rocks", settings.rocks, "", "Number of SmartRocks.", within(1, 1000));
         option("hosts", settings.hosts, "", "Number of hosts next to the track.", within(1, 1000));
@@ -86,7 +86,7 @@ struct Network {
         option("sending_power", p.sending, "W", "Additional power of a rock while its radio sends.",
                within(0, 100));
         option("contact_energy", p.contact, "J", "Energy of a contact.", within(0, 100));
-        describe_link(option, "rock", "a rock to its host", settings.rock_link);
+        declare_link_options(option, "rock", "a rock to its host", settings.rock_link);
         option.group("Hosts");
         HostPower& h = settings.host_power;
         option("host_battery", h.battery, "J", "Energy in the battery of a host.", above(0, 1e12));
@@ -95,7 +95,7 @@ struct Network {
                "Additional power of a host while its radio sends.", within(0, 1e4));
         option("solar_panel", h.panel, "W", "Power of the solar panel of a host at noon.",
                within(0, 1e5));
-        describe_link(option, "cloud", "a host to the cloud", settings.cloud_link);
+        declare_link_options(option, "cloud", "a host to the cloud", settings.cloud_link);
         option.group("Truth (synthetic)");
         option("headway", truth.headway, "s", "Time between planned arrivals of trains.",
                within(60, 1e7));

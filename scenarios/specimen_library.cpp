@@ -2,16 +2,16 @@
 // cover a range, kept on common strains. From it, early measurements of a specimen that was never
 // simulated predict what follows.
 
-#include "scenarios/assimilation/specimen_library.hpp"
+#include "scenarios/library/specimen_library.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/report.hpp"
-#include "scenarios/assimilation/library_design.hpp"
-#include "scenarios/assimilation/library_join.hpp"
-#include "scenarios/assimilation/library_results.hpp"
-#include "scenarios/assimilation/ring_profile.hpp"
-#include "scenarios/assimilation/sensor_predictive.hpp"
+#include "scenarios/library/library_design.hpp"
+#include "scenarios/library/library_join.hpp"
+#include "scenarios/library/library_results.hpp"
+#include "scenarios/library/ring_profile.hpp"
+#include "scenarios/library/sensor_predictive.hpp"
 
 #include <fmt/format.h>
 
@@ -32,8 +32,8 @@ struct LibraryRun {
     bool compare = false;
     std::filesystem::path library = {}, truths = {}, joined = {};
 
-    void describe(auto& option) {
-        design.describe(option);
+    void declare_options(auto& option) {
+        design.declare_options(option);
         option.group("Score");
         option("library", library, "",
                "File of a library that is scored instead of making one. Default: a new library is "
@@ -45,14 +45,14 @@ struct LibraryRun {
                "File of another library of the same rocks, of other ranges or another seed, whose "
                "specimens are added to those of --library; the results of the run are the joined "
                "library and its scores.");
-        observed.describe(option);
+        observed.declare_options(option);
         option("learning_pressure", learning_pressure, "Pa",
                "Confining pressure of the measurements that are assimilated. 0: each test is "
                "predicted from its own measurements.",
                within(0, 1e9));
         option("compare", compare, "",
                "Score other choices of measurements too, and those of another specimen.");
-        triaxial.describe(option);
+        triaxial.declare_options(option);
     }
 };
 

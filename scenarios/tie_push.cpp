@@ -118,7 +118,7 @@ public:
               curve_.column("support").front() / (9.81 * bed_.tie_mass));
         s.add("time_step_s", world.resource<Clock>().dt);
         if (test_.vci > 0 || bed_.fouling.any()) add_fouling_results(s, world);
-        run_->describe(s);
+        run_->add_to_summary(s);
         s.show({"largest_force_N", "largest_force_displacement_m", "largest_unbalanced_ratio",
                 "wall_time_s"});
         return s;

@@ -2,6 +2,7 @@
 // record what SmartRocks would record. The force of the rails on the tie is that of a beam on a
 // Winkler foundation under the static loads of the axles.
 #include "components/kinds.hpp"
+#include "engine/choice.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
@@ -62,9 +63,10 @@ void add_sensor(Report& summary, const std::string& prefix, const std::string& n
         for (const double a : run) peak = std::max(peak, std::abs(a));
     summary.add(prefix + "vertical_rms_" + name + "_m_per_s2", vertical.rms);
     summary.add(prefix + "vertical_peak_" + name + "_m_per_s2", peak);
-    for (const char* axis : {"roll", "pitch", "yaw"})
-        summary.add(fmt::format("{}{}_rate_rms_{}_rad_per_s", prefix, axis, name),
-                    vibration_of(recording, std::string(axis) + "_rate", 0.1).rms);
+    for (const auto rate :
+         {VibrationQuantity::roll_rate, VibrationQuantity::pitch_rate, VibrationQuantity::yaw_rate})
+        summary.add(fmt::format("{}{}_rms_{}_rad_per_s", prefix, text_of(rate), name),
+                    vibration_of(recording, rate, 0.1).rms);
     const Spectrum spectrum = spectrum_of(vertical);
     if (spectrum.density.empty()) return;
     for (const auto& [low, high] : {std::pair{1, 5}, {5, 20}, {20, 80}})
@@ -219,7 +221,7 @@ void run(const TrackPassage& t, const Common& common) {
     frames.file().close();
     Report summary;
     summarise(summary, t, train, samples, world, recordings, last);
-    run.describe(summary);
+    run.add_to_summary(summary);
     summary.show({"rocks", "bed_porosity", "axles", "train_speed_m_per_s", "passage_duration_s",
                   "unbalanced_ratio", "wall_time_s"});
     report_results(common, summary);

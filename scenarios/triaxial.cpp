@@ -30,15 +30,15 @@ struct FouledTriaxial : Triaxial {
     std::filesystem::path material = {};
     WriteOption written = {};
 
-    void describe(auto& option) {
-        Triaxial::describe(option);
+    void declare_options(auto& option) {
+        Triaxial::declare_options(option);
         option(
             "material", material, "",
             "Material card (card.csv of material_card), which gives the friction and the contact "
             "stiffness of the rocks instead of --friction and --clump-stiffness. Empty: none.");
-        fouling.describe(option);
+        fouling.declare_options(option);
         option.group("Files");
-        written.describe(option, write_of_clumps);
+        written.declare_options(option, write_of_clumps);
     }
 };
 
@@ -206,7 +206,7 @@ Report Test::summary() const {
     const TriaxialState& s = test_.state();
     Report summary;
     summary.add("confining_pressure_Pa", settings_.confining_pressure);
-    summary.add(describe(properties_of(s.curves, settings_.confining_pressure)));
+    summary.add(named_values_of(properties_of(s.curves, settings_.confining_pressure)));
     summary.add("core_porosity", s.core_porosity);
     summary.add("core_porosity_after_preparation", s.prepared_porosity);
     summary.add("core_porosity_as_poured", s.poured_porosity);
@@ -222,7 +222,7 @@ Report Test::summary() const {
     summary.add("stages", s.stage);
     if (shared_.settings.fouling.any())
         add_fouling_results(summary, std::as_const(simulation_).world());
-    run_.describe(summary);
+    run_.add_to_summary(summary);
     if (const MadeSpecimen& made = shared_.specimen; made.count.steps > 0) { // not resumed
         summary.add("preparation_steps", made.steps);
         summary.add("preparation_wall_time_s", made.count.wall_time);
@@ -239,9 +239,9 @@ void report_specimen(const Triaxial& t, const TriaxialScene& scene, const Common
     report_news(common,
                 fmt::format("{}specimen: {} rocks, {} of them sensor rocks, diameter {:.1f} mm, "
                             "height about {:.0f} mm, D/d_max {:.2f}",
-                            describe(scene.sample,
-                                     sieve_back(scene.sample.rocks, scene.clumps, scene.grading,
-                                                scene.sample.truncated_fraction)),
+                            sentence_of(scene.sample,
+                                        sieve_back(scene.sample.rocks, scene.clumps, scene.grading,
+                                                   scene.sample.truncated_fraction)),
                             t.bodies, scene.poses.size(), 2e3 * scene.specimen.radius,
                             1e3 * scene.specimen.height,
                             2 * scene.specimen.radius / scene.grading.sieves.front().size));

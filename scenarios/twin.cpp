@@ -4,9 +4,9 @@
 // other positions, or another packing.
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
-#include "scenarios/assimilation/checkpointed_run.hpp"
-#include "scenarios/assimilation/twin_experiment.hpp"
-#include "scenarios/assimilation/twin_variants.hpp"
+#include "scenarios/ensemble/checkpointed_run.hpp"
+#include "scenarios/ensemble/twin_experiment.hpp"
+#include "scenarios/ensemble/twin_variants.hpp"
 
 #include <fmt/format.h>
 

@@ -11,7 +11,7 @@ namespace bris::testing {
 /// A scene of extreme ratios, and how it is simulated.
 struct ExtremeScene {
     World world;
-    BenchSettings settings = {};
+    SmallSceneSettings settings = {};
     bool on_floor = false; ///< otherwise nothing but grains is in the scene
     std::uint64_t steps = 1;
 };

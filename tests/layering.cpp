@@ -78,9 +78,10 @@ bool may_include_system(const std::string& file, const std::string& target) {
 
 /// The folders of scenarios/ in order. Each may include those before it; the executables may
 /// include all.
-constexpr std::array rooms{"rocks",        "sensors",    "records",  "specimens",   "collision",
-                           "stream",       "triaxial",   "bulk",     "ballast_box", "field_tests",
-                           "assimilation", "monitoring", "forecast", "network",     "python"};
+constexpr std::array rooms{"rocks",       "sensors",     "records",  "specimens",
+                           "collision",   "stream",      "triaxial", "bulk",
+                           "ballast_box", "field_tests", "ensemble", "library",
+                           "monitoring",  "forecast",    "network",  "python"};
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {
@@ -204,7 +205,7 @@ TEST_SUITE("layering") {
         CHECK(may_include_house("systems/steps.cpp", "systems/contact/collide.hpp"));
         CHECK(may_include_house("components/sphere.hpp", "engine/lanes.hpp"));
         CHECK(may_include_house("scenarios/settle.cpp", "systems/output/frames.hpp"));
-        CHECK(may_include_house("scenarios/triaxial.cpp", "scenarios/assimilation/misfit.hpp"));
+        CHECK(may_include_house("scenarios/triaxial.cpp", "scenarios/ensemble/misfit.hpp"));
         CHECK(may_include_house("scenarios/specimens/relax.cpp", "systems/steps.hpp"));
         CHECK(
             may_include_house("scenarios/triaxial/shear.cpp", "scenarios/records/test_curves.hpp"));

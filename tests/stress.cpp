@@ -18,7 +18,7 @@ struct Stress {
     bool full = false, list = false;
     double soak_minutes = 30;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("case", only, "", "Run one case only, for example S6. Empty: run all cases.");
         option("list", list, "", "Print the cases and end.");
         option("full", full, "",

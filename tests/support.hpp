@@ -8,8 +8,8 @@
 #include "engine/random.hpp"
 #include "engine/simulation.hpp"
 #include "scenarios/rocks/mass_properties.hpp"
-#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/steps.hpp"
@@ -17,7 +17,7 @@
 #include <cmath>
 #include <utility>
 
-// Helpers that several tests use; small scenes are in scenarios/specimens/bench.hpp.
+// Helpers that several tests use; small scenes are in scenarios/specimens/small_scene.hpp.
 
 namespace bris::testing {
 

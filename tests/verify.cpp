@@ -26,7 +26,7 @@ struct Verify {
     double angle = 20, tolerance = 0.01; // degrees; share
 
     Verify() { impact.steps_per_contact = 100; }
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         std::vector<std::string> names{"", own_impact};
         for (const VerificationCase& c : verification_cases()) names.emplace_back(c.name);
         option(

@@ -28,7 +28,7 @@ struct BrokerSettings {
     /// The first line of the password's file; empty: there is none. Throws InputError, OutputError.
     std::string password() const;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("broker", address, "",
                "MQTT broker HOST:PORT from which records are received and to which results are "
                "published. Empty: no broker.");

@@ -39,11 +39,11 @@ struct BallastBox {
     FoulingOptions fouling = {.settings = {.voxel = 0.01}};
     WriteOption written = {};
 
-    void describe(auto& option);
+    void declare_options(auto& option);
     // the groups of options, which other scenarios of the box share
-    void describe_ballast(auto& option);
-    void describe_track(auto& option);
-    void describe_simulation(auto& option);
+    void declare_ballast_options(auto& option);
+    void declare_track_options(auto& option);
+    void declare_simulation_options(auto& option);
 
     /// True masses and recorders in the sensor rocks: the models with real time. The model `bay`,
     /// one tie over which trains pass, belongs to the scenario track_passage.
@@ -119,7 +119,7 @@ inline constexpr std::array<Course, 4> courses{
 /// Number of the lift that a course belongs to.
 constexpr std::size_t lift_of(std::size_t course) { return std::min<std::size_t>(course, 2); }
 
-void BallastBox::describe(auto& option) {
+void BallastBox::declare_options(auto& option) {
     option.group("Test");
     option("run", run, "",
            "Run of table 1 of the report: I.1 to I.4 (clean) or II.1 to II.4 (fouled).");
@@ -151,9 +151,9 @@ void BallastBox::describe(auto& option) {
            "1 in "
            "the full one.",
            within(0, 4));
-    describe_ballast(option);
+    declare_ballast_options(option);
     option.group("Track");
-    describe_track(option);
+    declare_track_options(option);
     option("series_compliance", series_compliance, "m/N",
            "Compliance of frame, pads and rails between an actuator and its tie, which is added to "
            "that of the model.",
@@ -165,10 +165,10 @@ void BallastBox::describe(auto& option) {
            "actuators stand above the two middle ones. 0: 2 or 4.",
            within(0, 40));
     option.group("Simulation");
-    describe_simulation(option);
+    declare_simulation_options(option);
 }
 
-void BallastBox::describe_ballast(auto& option) {
+void BallastBox::declare_ballast_options(auto& option) {
     option("smallest_rock", smallest_rock, "m",
            "Sieve size below which the grading is truncated, before scaling.", within(0.01, 0.06));
     option("porosity", porosity, "",
@@ -196,10 +196,10 @@ void BallastBox::describe_ballast(auto& option) {
     option("fill_softness", fill_softness, "",
            "Factor on the stiffness of rocks while the ballast is poured and compacted.",
            within(1e-3, 1));
-    fouling.describe(option);
+    fouling.declare_options(option);
 }
 
-void BallastBox::describe_track(auto& option) {
+void BallastBox::declare_track_options(auto& option) {
     option(
         "subgrade_modulus", subgrade_modulus, "N/m3",
         "Modulus of the subgrade: pressure over settlement of its plates. The default is that of a "
@@ -218,7 +218,7 @@ void BallastBox::describe_track(auto& option) {
            within(0, 1));
 }
 
-void BallastBox::describe_simulation(auto& option) {
+void BallastBox::declare_simulation_options(auto& option) {
     option("rest", rest, "",
            "Unbalanced force ratio at which the box is at rest under the least loads, before the "
            "cycles begin.",
@@ -230,7 +230,7 @@ void BallastBox::describe_simulation(auto& option) {
            {"ideal", "lab-grade", "smartrock-like", "cheap"});
     option("sampling_rate", sampling_rate, "Hz", "Sampling rate of the inertial sensors.",
            within(10, 5000));
-    written.describe(option, write_of_clumps);
+    written.declare_options(option, write_of_clumps);
 }
 
 } // namespace bris

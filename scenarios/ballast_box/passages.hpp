@@ -19,7 +19,7 @@ struct TrackPassage {
     unsigned passages = 2;
     double gap = 0;
 
-    void describe(auto& option);
+    void declare_options(auto& option);
 
     double speed_of(const std::string& name) const {
         return speed > 0 ? speed : name == "passenger" ? 31.3 : 20.0;
@@ -56,7 +56,7 @@ struct PassageResponse {
 /// Throws InputError if the samples have no passage of that number.
 PassageResponse passage_response(const Series& samples, unsigned number);
 
-void TrackPassage::describe(auto& option) {
+void TrackPassage::declare_options(auto& option) {
     option.group("Train");
     option("train", train, "",
            "Train: passenger, freight, inspection, locomotive (assets/trains), or the path of a "
@@ -82,7 +82,7 @@ void TrackPassage::describe(auto& option) {
            "shoulder.",
            {"I.2", "I.4", "II.2", "II.3", "II.4"});
     option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));
-    box.describe_ballast(option);
+    box.declare_ballast_options(option);
     option("sensor_density", box.sensor_density, "kg/m3",
            "Density of the sensor rocks in the finished bed; 0: that of the rocks.",
            within(0, 1e6).usually(100, 1e4));
@@ -91,9 +91,9 @@ void TrackPassage::describe(auto& option) {
            "between a shell and a rock the lower coefficient acts. Below 0: that of the rocks.",
            within(-1, 100));
     option.group("Track");
-    box.describe_track(option);
+    box.declare_track_options(option);
     option.group("Simulation");
-    box.describe_simulation(option);
+    box.declare_simulation_options(option);
 }
 
 } // namespace bris

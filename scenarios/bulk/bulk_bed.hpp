@@ -70,7 +70,7 @@ struct BedSettings {
     /// Mean unbalanced force over mean force below which a bed rests.
     double unbalanced_ratio = 0.02;
 
-    void describe(auto& option);
+    void declare_options(auto& option);
 };
 
 /// Makes the bed in a simulation whose World holds a BedState and grains on a lattice.
@@ -100,7 +100,7 @@ private:
 /// Begins the run: sets the time to 0 and the time step to `step` (s).
 void start_clock(World& world, double step);
 
-void BedSettings::describe(auto& option) {
+void BedSettings::declare_options(auto& option) {
     option("stiffness_factor", stiffness, "",
            "Factor on all Young's moduli; 1: those of the paper.", above(0, 1));
     option("friction_factor", friction, "",

@@ -226,7 +226,7 @@ void BulkRun::report(const Report& results, std::vector<Plot> plots) {
     add_quantities(summary, last_.quantities());
     summary.add("rebuilds", world().resource<ListState>().rebuilds);
     summary.add("prunes", world().resource<ListState>().prunes);
-    run_.describe(summary);
+    run_.add_to_summary(summary);
     summary.show({"bed_at_rest", "simulated_time_s", "steps", "step_over_least_stable_step",
                   "largest_overlap_of_all_samples_m", "wall_time_s"});
     progress_.pause();

@@ -28,7 +28,7 @@ struct BulkSettings {
     BedSettings bed = {};
     WriteOption written = {};
 
-    void describe(auto& option);
+    void declare_options(auto& option);
 };
 
 /// Throws InputError and OutputError if the curve to compare with, or the bed, cannot be used.
@@ -112,20 +112,20 @@ void run_bulk(const Common& common, const BulkSettings& settings, BulkCase bulk_
 /// Poisson's ratio 0.2), `speed` in m/s.
 double hertz_contact_time(double radius, double density, double young_modulus, double speed);
 
-void BulkSettings::describe(auto& option) {
+void BulkSettings::declare_options(auto& option) {
     option.group("Run");
     option("duration", duration, "s", "Longest simulated time.", above(0, 1e6));
     option("step", bed.step, "s", "Time step.", above(0, 1));
     option("sample_interval", sample_interval, "s", "Simulated time between points of the curve.",
            above(0, 1e6));
     option("frames", frames, "", "Number of frames in the run file.", within(1, 1e6));
-    written.describe(option, write_of_spheres);
+    written.declare_options(option, write_of_spheres);
     option("reference", reference, "",
            "CSV file of a curve to show for comparison: two columns, time in s and value.");
     option.group("Bed");
     option("bed", bed_file, "", "File of a bed to begin with, made with --fill-only.");
     option("fill_only", fill_only, "", "Make the bed, write bed.ckpt.h5 and stop.");
-    bed.describe(option);
+    bed.declare_options(option);
 }
 
 } // namespace bris

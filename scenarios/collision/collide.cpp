@@ -4,7 +4,7 @@
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "scenarios/collision/impact.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/fusion/fuse.hpp"
 
 #include <fmt/format.h>

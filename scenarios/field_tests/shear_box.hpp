@@ -33,7 +33,7 @@ struct ShearBox {
     FoulingOptions fouling = {.settings = {.voxel = 0.01}};
     WriteOption written = {};
 
-    void describe(auto& option);
+    void declare_options(auto& option);
     double area() const { return length * width; }
     /// m, height of the plane between the halves.
     double plane() const { return 0.5 * height; }
@@ -96,7 +96,7 @@ std::vector<RunFile::Column> shear_columns();
 std::vector<Phase> shear_phases(const ShearBox& box, const ShearTest& test, Series& curve,
                                 const std::function<void(const World&)>& frame);
 
-void ShearBox::describe(auto& option) {
+void ShearBox::declare_options(auto& option) {
     option.group("Box and specimen");
     option("length", length, "m", "Inner length of the box, along which it is sheared.",
            within(0.02, 2));
@@ -142,7 +142,7 @@ void ShearBox::describe(auto& option) {
            "Time step over the stable step for which masses are scaled. The sum of the masses is "
            "the true one when shearing begins.",
            within(0.05, 0.8));
-    fouling.describe(option);
+    fouling.declare_options(option);
     option(
         "fines", fines, "",
         "Fines of --vci as a field that weakens contacts by the laws above, or as grains: spheres "
@@ -151,7 +151,7 @@ void ShearBox::describe(auto& option) {
     option("fines_size", fines_size, "m", "Diameter of the grains.", within(1e-3, 0.02));
     option("fines_friction", fines_friction, "", "Friction between grains.", within(0, 2));
     option.group("Files");
-    written.describe(option, write_of_clumps);
+    written.declare_options(option, write_of_clumps);
 }
 
 } // namespace bris

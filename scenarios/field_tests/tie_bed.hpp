@@ -31,7 +31,7 @@ struct TieBed {
     FoulingOptions fouling = {.settings = {.voxel = 0.02}};
     WriteOption written = {};
 
-    void describe(auto& option);
+    void declare_options(auto& option);
     double width() const { return 0.5 * spacing; } ///< m, of the half bay
 };
 
@@ -77,7 +77,7 @@ std::vector<RunFile::Column> push_columns();
 std::vector<Phase> push_phases(const TieBed& bed, const TieTest& test, Series& curve,
                                const std::function<void(const World&)>& frame);
 
-void TieBed::describe(auto& option) {
+void TieBed::declare_options(auto& option) {
     option.group("Tie and bed");
     option("tie_length", tie_length, "m", "Length of the tie.", within(0.3, 4));
     option("tie_width", tie_width, "m", "Width of the tie.", within(0.05, 0.5));
@@ -119,9 +119,9 @@ void TieBed::describe(auto& option) {
            within(1e-6, 0.1));
     option("safety", safety, "", "Time step over the stable step for which masses are scaled.",
            within(0.05, 0.8));
-    fouling.describe(option);
+    fouling.declare_options(option);
     option.group("Files");
-    written.describe(option, write_of_clumps);
+    written.declare_options(option, write_of_clumps);
 }
 
 } // namespace bris

@@ -17,7 +17,7 @@ namespace bris {
 /// uniform in their logarithm from 1 / F to F, and the porosity is uniform within +- its spread.
 struct SiteSpread {
     double friction = 1.25, stiffness = 2, subgrade = 2, porosity = 0.015;
-    void describe(auto& option);
+    void declare_options(auto& option);
 };
 
 /// A site: `u` are four numbers in [0, 1), its place within the spreads of friction, stiffness,
@@ -69,7 +69,7 @@ std::vector<PassageMovements> pass_members(const std::vector<Site>& members,
 Site make_site(const SiteDesign& design, std::uint64_t seed, const std::vector<Train>& trains,
                const Common& common, const GoOn& go_on);
 
-void SiteSpread::describe(auto& option) {
+void SiteSpread::declare_options(auto& option) {
     option.group("Spread of the sites about the ballast and track described above");
     option("friction_spread", friction, "",
            "Sites have a friction from that of the ballast divided by this number to that times "

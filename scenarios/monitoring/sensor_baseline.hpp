@@ -34,7 +34,7 @@ struct MonitorSettings {
     double train_level = 0.2;            ///< of the baseline's root mean square: a train passes
     unsigned segment = 256;              ///< samples, of a spectrum
     double band_low = 1, band_high = 80; ///< Hz
-    void describe(auto& option);
+    void declare_options(auto& option);
 };
 
 /// Hashes of the first 1, 2, 4 ... samples of a recording, which tell it from others without it.
@@ -91,7 +91,7 @@ std::vector<Finding> findings_of(const Passage& passage, const MonitorSettings& 
 /// The refusals of a sensor among them, as one text; empty: it is accepted.
 std::string refusal_of(const std::vector<Finding>& findings, unsigned sensor);
 
-void MonitorSettings::describe(auto& option) {
+void MonitorSettings::declare_options(auto& option) {
     option("quantity", quantity, "",
            "Quantity that is compared: vertical acceleration, or the angular rate about the track "
            "(roll), the tie (pitch) or the vertical (yaw).");

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/assimilation/live_model.hpp"
+#include "scenarios/ensemble/live_model.hpp"
 #include "scenarios/monitoring/publisher.hpp"
 #include "scenarios/records/recorded_test.hpp"
 

@@ -2,8 +2,8 @@
 
 #include "engine/errors.hpp"
 #include "scenarios/rocks/clump_library.hpp"
-#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/fields/initial_fouling.hpp"
 
 #include <fmt/format.h>

@@ -3,9 +3,9 @@
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
 #include "engine/io/unfinished_file.hpp"
-#include "scenarios/records/bench_hdf5.hpp"
 #include "scenarios/records/compare_strain.hpp"
 #include "scenarios/records/machine_file.hpp"
+#include "scenarios/records/machine_hdf5.hpp"
 #include "scenarios/records/machine_quality_control.hpp"
 #include "scenarios/sensors/naming.hpp"
 
@@ -42,10 +42,10 @@ void read_clock(const CsvTable& table, const char* name, const std::vector<doubl
     }
 }
 
-Bench read_test(const std::filesystem::path& csv, const CsvForm& form) {
+MachineRecord read_test(const std::filesystem::path& csv, const CsvForm& form) {
     const CsvTable table = read_csv(csv, form);
     const auto strain = table.column("axial_strain"), q = table.column("deviatoric_stress_Pa");
-    Bench test;
+    MachineRecord test;
     for (std::size_t k = 0; k < strain.size(); ++k) test.curves.add_row();
     test.curves[quantity::axial_strain] = strain;
     test.curves[quantity::deviatoric_stress] = q;
@@ -171,17 +171,17 @@ std::vector<Recording> recordings_of(const std::filesystem::path& of_test,
     return naming("--recordings", [&] { return read_recordings_hdf5(hdf5, infos); });
 }
 
-Bench bench_of(const std::filesystem::path& of_test, double pressure,
-               const std::filesystem::path& map) {
+MachineRecord machine_record_of(const std::filesystem::path& of_test, double pressure,
+                                const std::filesystem::path& map) {
     const auto hdf5 = of_test / "recordings.h5", csv = of_test / "test.csv";
     const bool in_hdf5 = std::filesystem::exists(hdf5);
-    if (!in_hdf5 || (std::filesystem::exists(csv) && !has_bench(hdf5)))
+    if (!in_hdf5 || (std::filesystem::exists(csv) && !has_machine(hdf5)))
         return read_mapped(
             "--machine-columns", map_to_use(map, of_test.parent_path() / "machine_columns.txt"),
             machine_columns(), [&](const CsvForm& form) { return read_test(csv, form); });
     if (std::filesystem::exists(csv)) refuse_both(of_test, "test.csv", "/bench in recordings.h5");
     require_no_map("--machine-columns", map, hdf5, "test.csv");
-    return naming("--recordings", [&] { return read_bench(hdf5, pressure); });
+    return naming("--recordings", [&] { return read_machine(hdf5, pressure); });
 }
 
 } // namespace
@@ -280,10 +280,10 @@ RecordedTest read_recorded_test(const std::filesystem::path& folder, double pres
     const auto of_test = folder_of_test(folder, pressure);
     test.recordings =
         recordings_of(of_test, infos_of_test(folder, pressure, infos), settings.columns);
-    Bench bench = bench_of(of_test, pressure, settings.machine_columns);
-    test.curves = std::move(bench.curves);
-    test.clock = std::move(bench.clock);
-    test.unused_of_machine = std::move(bench.unused);
+    MachineRecord machine = machine_record_of(of_test, pressure, settings.machine_columns);
+    test.curves = std::move(machine.curves);
+    test.clock = std::move(machine.clock);
+    test.unused_of_machine = std::move(machine.unused);
     examine(test, settings);
     return test;
 }
@@ -315,7 +315,7 @@ void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressu
     const auto path = folder / folder_of(pressure) / "recordings.h5";
     UnfinishedFile unfinished(path);
     write_recordings_hdf5(unfinished.path(), recordings);
-    write_bench(unfinished.path(), measured, time, area, pressure);
+    write_machine(unfinished.path(), measured, time, area, pressure);
     unfinished.put_in_place();
 }
 

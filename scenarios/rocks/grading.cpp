@@ -227,7 +227,7 @@ SieveReport sieve_back(std::span<const RockChoice> rocks, std::span<const Clump>
     return report;
 }
 
-std::string describe(const RockSample& sample, const SieveReport& report) {
+std::string sentence_of(const RockSample& sample, const SieveReport& report) {
     std::string text =
         fmt::format("{} rocks, {:.6g} m3 of solids; truncated below {:.2f} mm: {:.2f} % "
                     "of the mass\n",

@@ -110,6 +110,6 @@ SieveReport sieve_back(std::span<const RockChoice> rocks, std::span<const Clump>
                        const Grading& grading, double truncated_fraction = 0);
 
 /// Text for people: the truncated fraction, and for each sieve what passes it and its band.
-std::string describe(const RockSample& sample, const SieveReport& report);
+std::string sentence_of(const RockSample& sample, const SieveReport& report);
 
 } // namespace bris

@@ -199,7 +199,7 @@ std::vector<LibraryRow> make_library(const LibrarySettings& settings) {
     return rows;
 }
 
-std::string describe(const std::vector<LibraryRow>& rows) {
+std::string sentence_of(const std::vector<LibraryRow>& rows) {
     std::string text = "name     spheres  volume error  inertia error  distance from rock mean, max"
                        "  flat and elongated of rock, clump";
     for (const LibraryRow& row : rows)

@@ -52,6 +52,6 @@ struct LibraryRow {
 std::vector<LibraryRow> make_library(const LibrarySettings& settings);
 
 /// The rows of the report as a table for people, without those columns that few need.
-std::string describe(const std::vector<LibraryRow>& rows);
+std::string sentence_of(const std::vector<LibraryRow>& rows);
 
 } // namespace bris

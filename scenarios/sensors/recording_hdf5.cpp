@@ -75,7 +75,7 @@ std::vector<std::string> unused_of(const Hdf5Content& file, const std::string& o
         if (channel.unit != nullptr) used.insert("@" + unit_attribute(channel));
     }
     const auto use = [&](const std::string& name, auto&&...) { used.insert("@" + name); };
-    SensorInfo().describe(use);
+    SensorInfo().declare_options(use);
     return unused_in(file, own, used);
 }
 
@@ -210,9 +210,9 @@ std::vector<SensorInfo> sensor_infos_in(const Hdf5Content& file) {
         const std::string group = "/sensors/" + name;
         SensorInfo info;
         AttributeReader reader{file, group};
-        info.describe(reader);
+        info.declare_options(reader);
         Options options;
-        info.describe(options);
+        info.declare_options(options);
         try {
             (void)options.parse(reader.typed);
         } catch (const InputError& e) {
@@ -266,7 +266,7 @@ void write_recordings_hdf5(const std::filesystem::path& path,
         const auto put = [&](const std::string& name, const auto& value, auto&&...) {
             file.set_attribute(own, name, value);
         };
-        info.describe(put);
+        info.declare_options(put);
         for (const Channel& channel : all_channels)
             if (channel.unit != nullptr)
                 file.set_attribute(own, unit_attribute(channel), info.*channel.unit);

@@ -82,7 +82,7 @@ SensorInfo read_sensor_info(const std::filesystem::path& path) {
     SensorInfo info;
     std::filesystem::path config;
     Options options;
-    info.describe(options);
+    info.declare_options(options);
     options("config", config, "", "The metadata file.");
     (void)options.parse({"--config", path.string()});
     check_sensor_info(info, path.string());
@@ -91,7 +91,7 @@ SensorInfo read_sensor_info(const std::filesystem::path& path) {
 
 void write_sensor_info(const std::filesystem::path& path, SensorInfo info) {
     InfoLines lines;
-    info.describe(lines);
+    info.declare_options(lines);
     write_whole(path, lines.text);
 }
 

@@ -41,7 +41,7 @@ struct SensorInfo {
     double battery_low = 0; ///< V or %, limit of a low battery; 0: 3.3 V (one lithium cell) or 15 %
     unsigned flags_ignored = 0; ///< bits of `flags` that do not reject a sample
 
-    void describe(auto& option); ///< in sensor_info_options.hpp
+    void declare_options(auto& option); ///< in sensor_info_options.hpp
     /// Whether a sample with these flags is left out.
     bool leaves_out(std::uint64_t flags) const {
         return (flags & ~std::uint64_t{flags_ignored}) != 0;

@@ -11,7 +11,7 @@ namespace bris {
 
 // Apart from SensorInfo, because it is only needed where metadata are read or written.
 
-void SensorInfo::describe(auto& option) {
+void SensorInfo::declare_options(auto& option) {
     using Choices = std::vector<std::string>; // visitors may deduce it
     const auto quaternion = [&](const std::string& name, std::array<double*, 4> wxyz,
                                 const std::string& what) {

@@ -19,7 +19,7 @@ struct FoulingOptions {
     FoulingSettings settings = {};
     FoulingLaw law = {};
 
-    void describe(auto& option);
+    void declare_options(auto& option);
     /// Whether there are fines or water.
     bool any() const { return p4 > 0 || saturation > 0 || !file.empty(); }
 };
@@ -36,7 +36,7 @@ void fill_with_fines(World& world, const FoulingOptions& options, std::uint64_t 
 /// Results: measures of fouling, and factors of the contacts.
 void add_fouling_results(Summary& summary, const World& world);
 
-void FoulingOptions::describe(auto& option) {
+void FoulingOptions::declare_options(auto& option) {
     option.group("Fouling");
     option("fouling_p4", p4, "%",
            "Mass of fines (passing 4.75 mm) over the mass of ballast and fines. 0: no fines.",

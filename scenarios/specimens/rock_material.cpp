@@ -20,7 +20,7 @@ RockMaterial read_rock_material(const std::string& name) {
     RockMaterial rock;
     std::filesystem::path config;
     Options options;
-    rock.describe(options);
+    rock.declare_options(options);
     options("config", config, "", "The file of the material.");
     (void)options.parse({"--config", path.string()});
     return rock;

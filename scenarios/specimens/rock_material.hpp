@@ -16,7 +16,7 @@ struct RockMaterial {
     double friction = 0.6;
     double restitution = 0.5;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("density", density, "kg/m3", "Density of the solid.", above(0, 1e5));
         option("normal_stiffness", normal_stiffness, "N/m",
                "Normal stiffness of one partner of a contact.", above(0, 1e12));

@@ -23,7 +23,7 @@ struct SphereBed {
     double start_overlap = 0;
     std::uint64_t seed = 1;
 
-    void describe(auto& option);
+    void declare_options(auto& option);
 };
 
 /// Makes a bed of spheres with small random offsets from their lattice, in a box about the z axis
@@ -31,7 +31,7 @@ struct SphereBed {
 /// box stops the run. The caller adds the pair lists.
 World make_sphere_bed(const SphereBed& bed);
 
-void SphereBed::describe(auto& option) {
+void SphereBed::declare_options(auto& option) {
     option("spheres", spheres, "", "Number of spheres.", within(1, 50e6));
     option("radius", radius, "m", "Mean radius of the spheres.", above(0, 1e3));
     option("size_spread", size_spread, "",

@@ -12,7 +12,7 @@ struct WriteOption {
     std::string write = "nothing";
 
     /// `choices`: what the scenario has.
-    void describe(auto& option, const std::vector<std::string>& choices) {
+    void declare_options(auto& option, const std::vector<std::string>& choices) {
         option("write", write, "",
                "What to write into files next to the run file. surfaces: the surfaces of all "
                "rocks as triangles, 8 kB for each rock and frame. contacts: a line for each "

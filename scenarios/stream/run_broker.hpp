@@ -21,8 +21,8 @@ namespace bris {
 struct RunBrokerSettings {
     BrokerSettings client;
     double history = 4; ///< GiB
-    void describe(auto& option) {
-        client.describe(option);
+    void declare_options(auto& option) {
+        client.declare_options(option);
         option("broker_session", client.session, "",
                "Name under which the broker keeps records after this program was interrupted, for "
                "the next run with that name. Empty: none are kept then.");

@@ -103,7 +103,7 @@ TriaxialProperties properties_of(const TestCurves& curves, double confining_pres
     return p;
 }
 
-std::vector<NamedValue> describe(const TriaxialProperties& p) {
+std::vector<NamedValue> named_values_of(const TriaxialProperties& p) {
     return {{"peak_q_Pa", p.peak_q},
             {"strain_at_peak", p.strain_at_peak},
             {"mean_q_last_quarter_Pa", p.mean_q},

@@ -40,7 +40,7 @@ struct TriaxialProperties {
 TriaxialProperties properties_of(const TestCurves& curves, double confining_pressure);
 
 /// The properties as flat keys with unit suffixes, for summary.json.
-std::vector<NamedValue> describe(const TriaxialProperties& properties);
+std::vector<NamedValue> named_values_of(const TriaxialProperties& properties);
 
 /// Writes a CSV file with one line for each stage, rings included. Throws OutputError.
 void write_stages(const std::filesystem::path& csv, const TestCurves& curves);

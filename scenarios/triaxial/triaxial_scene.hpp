@@ -29,7 +29,7 @@ struct Triaxial {
     unsigned frame_stages = 10;
 
     /// The options that the size of the specimen follows from.
-    void describe_mould(auto& option) {
+    void declare_mould_options(auto& option) {
         option("bodies", bodies, "", "Number of rocks, sensor rocks included.", within(20, 1e6));
         option("grading", grading, "", help_grading);
         option("clumps", clumps, "", help_clumps);
@@ -49,7 +49,7 @@ struct Triaxial {
             "file, or several that the sensor rocks take in turn, as "
             "rock_01,rock_02,rock_03,cube.");
     }
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option.group("Test");
         option("confining_pressure", confining_pressure, "Pa",
                "Confining pressure, or several, each tested on the same specimen.",
@@ -69,7 +69,7 @@ struct Triaxial {
                "pressure is the same at all heights (the weight of 400 rocks is 5 kPa at the "
                "bottom).");
         option.group("Specimen");
-        describe_mould(option);
+        declare_mould_options(option);
         option("least_diameter", least_diameter, "",
                "Smallest diameter of the specimen over the size of its largest rock; fewer rocks "
                "are refused. Laboratories ask for 6.",

@@ -18,8 +18,8 @@ namespace bris {
 
 namespace {
 
-void describe(openvdb::GridBase& grid, const FieldToWrite& field, const Lattice& lattice,
-              double time) {
+void set_metadata(openvdb::GridBase& grid, const FieldToWrite& field, const Lattice& lattice,
+                  double time) {
     auto transform = openvdb::math::Transform::createLinearTransform(lattice.size);
     transform->postTranslate({lattice.origin.x(), lattice.origin.y(), lattice.origin.z()});
     grid.setTransform(transform);
@@ -63,7 +63,7 @@ openvdb::GridBase::Ptr to_vdb(const FieldToWrite& field, const VoxelBlocks& bloc
         });
         grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
     }
-    describe(*grid, field, blocks.lattice(), time);
+    set_metadata(*grid, field, blocks.lattice(), time);
     return grid;
 }
 

@@ -21,7 +21,7 @@ struct Test {
     std::vector<double> stages{0, 0.08};
     std::filesystem::path config;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("confining_pressure", confining_pressure, "Pa", "Pressure on the membrane.",
                above(0));
         option("friction", friction, "-", "Friction coefficient of the rocks.", within(0, 1));
@@ -37,7 +37,7 @@ struct Test {
     }
     bool parse(const std::vector<std::string>& arguments) {
         Options options;
-        describe(options);
+        declare_options(options);
         return options.parse(arguments) == Options::Request::run;
     }
 };
@@ -185,7 +185,7 @@ TEST_SUITE("engine/options") {
     TEST_CASE("--help and --version change nothing, wherever they stand") {
         Test test;
         Options options;
-        test.describe(options);
+        test.declare_options(options);
         CHECK(options.parse({"--bodies", "3", "--help"}) == Options::Request::help);
         CHECK(options.parse({"--xyzzy", "-h"}) == Options::Request::help);
         CHECK(options.parse({"--version", "--bodies", "3"}) == Options::Request::version);
@@ -196,7 +196,7 @@ TEST_SUITE("engine/options") {
         Test test;
         Options options;
         options.group("specimen");
-        test.describe(options);
+        test.declare_options(options);
         const std::string help = options.help("triaxial", "A test.");
         CHECK(help.starts_with(
             "A test.\n\nUsage: triaxial [--option value]...\n\nSpecimen:\n"
@@ -270,7 +270,7 @@ TEST_SUITE("engine/options") {
     TEST_CASE("settings are listed with their units") {
         Test test;
         Options options;
-        test.describe(options);
+        test.declare_options(options);
         options.parse({"--friction", "0.1"});
         const auto values = options.values();
         REQUIRE(values.size() == 8);

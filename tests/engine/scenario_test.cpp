@@ -17,7 +17,9 @@ namespace {
 
 struct Nothing {
     double height = 1;
-    void describe(auto& option) { option("height", height, "m", "of the specimen", above(0)); }
+    void declare_options(auto& option) {
+        option("height", height, "m", "of the specimen", above(0));
+    }
 };
 
 template <class Run>

@@ -68,7 +68,7 @@ struct Fuzz {
     std::string reader;
     std::uint64_t inputs = 2000, first = 0, seed = 1;
 
-    void describe(Options& option) {
+    void declare_options(Options& option) {
         option("reader", reader, "", "Only this reader. Empty: all.");
         option("inputs", inputs, "", "Number of inputs for each reader.", within(1, 1e12));
         option("first", first, "", "Number of the first input, to go on with a series.",
@@ -169,7 +169,7 @@ int main(int argc, char** argv) {
     return detail::exit_code_of("fuzz", [&] {
         Fuzz settings;
         Options options;
-        settings.describe(options);
+        settings.declare_options(options);
         if (detail::parse_or_answer(options, {argv + std::min(argc, 1), argv + argc}, "fuzz",
                                     "Reads files that were damaged on purpose."))
             run(settings);

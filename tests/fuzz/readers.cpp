@@ -8,8 +8,8 @@
 #include "engine/options.hpp"
 #include "engine/random.hpp"
 #include "scenarios/ballast_box/train.hpp"
-#include "scenarios/records/bench_hdf5.hpp"
 #include "scenarios/records/guess_columns.hpp"
+#include "scenarios/records/machine_hdf5.hpp"
 #include "scenarios/records/recorded_test.hpp"
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/rocks/grading.hpp"
@@ -119,7 +119,7 @@ struct Settings {
     std::string text = "x";
     std::vector<double> list{1, 2};
 
-    void describe(Options& option) {
+    void declare_options(Options& option) {
         option("number", number, "m", "A number.", above(0, 10));
         option("count", count, "", "A count.", within(0, 100));
         option("is_on", is_on, "", "A switch.");
@@ -132,7 +132,7 @@ struct Settings {
 void read_config(const fs::path& file) {
     Settings settings;
     Options options;
-    settings.describe(options);
+    settings.declare_options(options);
     options("config", settings.config, "", "File of options.");
     (void)options.parse({"--config", file.string()});
 }
@@ -227,7 +227,7 @@ Texts hdf5_recordings(const fs::path&, const fs::path& folder) {
         row[quantity::volumetric_strain] = 0;
         time.push_back(i);
     }
-    write_bench(folder / "valid.h5", curves, time, 0.07, 55e3);
+    write_machine(folder / "valid.h5", curves, time, 0.07, 55e3);
     return {read_whole(folder / "valid.h5")};
 }
 
@@ -274,7 +274,7 @@ Texts vdb_files(const fs::path&, const fs::path& folder) {
 void read_hdf5_recordings(const fs::path& file) {
     const auto content = Hdf5Content::read(file, {"/sensors", "/bench"});
     (void)recordings_in(content, sensor_infos_in(content));
-    (void)bench_in(content, 55e3);
+    (void)machine_in(content, 55e3);
 }
 
 constexpr std::array readers{

@@ -1,7 +1,7 @@
 // The energy budget evaluates contacts that have ended once more; this must not move a body.
 
 #include "engine/archive.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 #include <doctest/doctest.h>
 

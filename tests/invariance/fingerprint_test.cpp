@@ -140,12 +140,12 @@ const std::vector<Scene>& scenes() {
 }
 
 // small chunks, so that few grains give many of them
-const BenchSettings plain{
+const SmallSceneSettings plain{
     .dt = 2e-5,
     .lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .sort_every = 8, .tune = false},
     .schedule = {.serial = true, .grain = 16}};
 
-Archive state_after(const Scene& scene, BenchSettings settings) {
+Archive state_after(const Scene& scene, SmallSceneSettings settings) {
     settings.law = scene.law;
     Simulation sim = begin(scene.make(), settings);
     sim.advance(scene.steps);
@@ -168,33 +168,33 @@ TEST_SUITE("invariance/fingerprint") {
     TEST_CASE("threads, task graph, order, sorting and skins do not change a bit") {
         struct Variant {
             std::string name;
-            BenchSettings settings;
+            SmallSceneSettings settings;
         };
         const auto with = [](auto change) {
-            BenchSettings s = plain;
+            SmallSceneSettings s = plain;
             change(s);
             return s;
         };
         const std::vector<Variant> variants{
-            {"graph, 1 thread", with([](BenchSettings& s) { s.schedule.serial = false; })},
-            {"graph, 2 threads", with([](BenchSettings& s) {
+            {"graph, 1 thread", with([](SmallSceneSettings& s) { s.schedule.serial = false; })},
+            {"graph, 2 threads", with([](SmallSceneSettings& s) {
                  s.schedule.serial = false;
                  s.threads = 2;
              })},
-            {"graph, 3 threads", with([](BenchSettings& s) {
+            {"graph, 3 threads", with([](SmallSceneSettings& s) {
                  s.schedule.serial = false;
                  s.threads = 3;
              })},
-            {"graph, 7 threads", with([](BenchSettings& s) {
+            {"graph, 7 threads", with([](SmallSceneSettings& s) {
                  s.schedule.serial = false;
                  s.threads = 7;
              })},
-            {"serial, 2 threads", with([](BenchSettings& s) { s.threads = 2; })},
+            {"serial, 2 threads", with([](SmallSceneSettings& s) { s.threads = 2; })},
             {"each system in a separate pass",
-             with([](BenchSettings& s) { s.schedule.fused = false; })},
+             with([](SmallSceneSettings& s) { s.schedule.fused = false; })},
             {"no system in place of several others",
-             with([](BenchSettings& s) { s.schedule.combined = false; })},
-            {"without any optimisation", with([](BenchSettings& s) {
+             with([](SmallSceneSettings& s) { s.schedule.combined = false; })},
+            {"without any optimisation", with([](SmallSceneSettings& s) {
                  s.schedule.fused = false;
                  s.lists = {.outer_skin = 0.0010001,
                             .inner_skin = 0.001,
@@ -202,24 +202,24 @@ TEST_SUITE("invariance/fingerprint") {
                             .sort_every = 0,
                             .tune = false};
              })},
-            {"coarse chunks", with([](BenchSettings& s) { s.schedule.grain = 1000; })},
+            {"coarse chunks", with([](SmallSceneSettings& s) { s.schedule.grain = 1000; })},
             {"another valid order",
-             with([](BenchSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
-            {"never sorted", with([](BenchSettings& s) { s.lists.sort_every = 0; })},
-            {"sorted at every rebuild", with([](BenchSettings& s) {
+             with([](SmallSceneSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
+            {"never sorted", with([](SmallSceneSettings& s) { s.lists.sort_every = 0; })},
+            {"sorted at every rebuild", with([](SmallSceneSettings& s) {
                  s.lists.sort_every = 1;
                  s.lists.outer_skin = 0.0012;
              })},
-            {"wide skins", with([](BenchSettings& s) {
+            {"wide skins", with([](SmallSceneSettings& s) {
                  s.lists.outer_skin = 0.008;
                  s.lists.inner_skin = 0.002;
              })},
-            {"narrow skins", with([](BenchSettings& s) {
+            {"narrow skins", with([](SmallSceneSettings& s) {
                  s.lists.outer_skin = 0.0005;
                  s.lists.inner_skin = 0.0001;
              })},
-            {"tuned skins", with([](BenchSettings& s) { s.lists = {}; })},
-            {"tuned skins from given values", with([](BenchSettings& s) {
+            {"tuned skins", with([](SmallSceneSettings& s) { s.lists = {}; })},
+            {"tuned skins from given values", with([](SmallSceneSettings& s) {
                  s.lists.tune = true;
                  s.lists.sort_every = 3;
              })},
@@ -253,7 +253,7 @@ TEST_SUITE("invariance/fingerprint") {
               Large{"clumps in facets", Grains::clumps, Walls::facets, 2000}}) {
             CAPTURE(scene.name);
             const auto run = [&](unsigned threads) {
-                BenchSettings settings = plain;
+                SmallSceneSettings settings = plain;
                 settings.law = LawName::linear_viscous;
                 settings.threads = threads;
                 settings.schedule = {};
@@ -280,7 +280,7 @@ TEST_SUITE("invariance/fingerprint") {
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
             const Archive reference = state_after(scene, plain);
-            BenchSettings settings = plain;
+            SmallSceneSettings settings = plain;
             settings.law = scene.law;
             Simulation sim = begin(scene.make(), settings);
             for (unsigned done = 0; done < scene.steps; done += 40) {
@@ -302,7 +302,7 @@ TEST_SUITE("invariance/fingerprint") {
                 const auto at = static_cast<unsigned>(random.uniform(0.1, 0.9) * scene.steps);
                 CAPTURE(at);
                 CAPTURE(fresh);
-                BenchSettings settings = plain;
+                SmallSceneSettings settings = plain;
                 settings.law = scene.law;
                 Simulation sim = begin(scene.make(), settings);
                 sim.advance(at);
@@ -325,7 +325,7 @@ TEST_SUITE("invariance/fingerprint") {
               "changes") {
         const Scene& scene = scenes()[3];
         const auto run = [&](bool discard) {
-            BenchSettings settings = plain;
+            SmallSceneSettings settings = plain;
             settings.law = scene.law;
             Simulation sim = begin(scene.make(), settings);
             Random random(seed, 4);

@@ -28,7 +28,7 @@ void make_wet(World& world) {
 
 struct Scene {
     std::string name;
-    BenchBed bed;
+    BedOfBenchmark bed;
     bool membrane = false; ///< around the grains, which are moved to its axis
 };
 const std::vector<Scene>& scenes() {
@@ -55,7 +55,7 @@ World make(const Scene& scene) {
 
 constexpr unsigned steps_taken = 2400;
 
-BenchSettings with_skins(double outer, double inner) {
+SmallSceneSettings with_skins(double outer, double inner) {
     return {.dt = 2e-5,
             .law = LawName::linear_bridge,
             .lists = {.outer_skin = outer, .inner_skin = inner, .tune = false},
@@ -88,7 +88,7 @@ TEST_SUITE("invariance/reach") {
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
             CAPTURE(seed);
-            const auto run = [&](const BenchSettings& settings, bool look = false) {
+            const auto run = [&](const SmallSceneSettings& settings, bool look = false) {
                 Simulation sim = begin(make(scene), settings);
                 std::ptrdiff_t spheres = 0, boundaries = 0;
                 for (unsigned k = 0; k < steps_taken; k += 100) {
@@ -105,11 +105,11 @@ TEST_SUITE("invariance/reach") {
             CHECK(run(with_skins(0.0002, 0.0001)) == reference);
             CHECK(run(with_skins(0.0012, 0.0011)) == reference);
             CHECK(run(with_skins(0.01, 0.004)) == reference); // larger than the reach
-            BenchSettings threads = with_skins(0.004, 0.0004);
+            SmallSceneSettings threads = with_skins(0.004, 0.0004);
             threads.threads = 3;
             threads.schedule.serial = false;
             CHECK(run(threads) == reference);
-            BenchSettings free = with_skins(0, 0);
+            SmallSceneSettings free = with_skins(0, 0);
             free.lists = {.sort_every = 1};
             CHECK(run(free) == reference);
         }
@@ -160,7 +160,7 @@ TEST_SUITE("invariance/reach") {
                 add_floor(world, grain);
             else
                 add_strips(world, strips, grain);
-            BenchSettings settings = with_skins(2.5 * inner_skin, inner_skin);
+            SmallSceneSettings settings = with_skins(2.5 * inner_skin, inner_skin);
             Simulation sim = begin(std::move(world), settings);
             double sum = 0, highest = 0;
             for (int k = 0; k < 8000; ++k) {

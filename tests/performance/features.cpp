@@ -28,14 +28,14 @@ namespace {
 
 using namespace bris;
 
-struct Bench {
+struct Benchmark {
     unsigned spheres = 2000, rounds = 9;
     std::uint64_t steps = 400;
     unsigned timing_threads = 1;
     bool one_pass = true;
     std::string variant;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("spheres", spheres, "", "Number of spheres in the bed.", within(100, 1e6));
         option("rounds", rounds, "", "Number of timed blocks of each variant.", within(1, 1000));
         option("steps", steps, "", "Number of time steps in a block.", within(1, 1e9));
@@ -106,7 +106,7 @@ Material grain_of(LawName law) {
     return grain;
 }
 
-World bed_under(const Bench& s, LawName law) {
+World bed_under(const Benchmark& s, LawName law) {
     SphereBed bed;
     bed.spheres = s.spheres;
     World world = make_sphere_bed(bed);
@@ -157,7 +157,7 @@ void hold(World& world) {
 }
 
 /// Positions (m) of the spheres of a settled bed, in the order of their ids.
-std::vector<Vec3> settled(const Bench& s) {
+std::vector<Vec3> settled(const Benchmark& s) {
     World world = bed_under(s, LawName::linear_viscous);
     add_lists(world, LawName::linear_viscous);
     world.add_resource(LocalDamping{0.5});
@@ -193,7 +193,7 @@ void add_ten_sensors(World& world) {
     add_sensors(world, hosts, std::move(samples), {});
 }
 
-Case make_case(const Bench& s, const Common& common, const Variant& v,
+Case make_case(const Benchmark& s, const Common& common, const Variant& v,
                const std::vector<Vec3>& positions) {
     World world = bed_under(s, v.law);
     const double half = world.resource<Limits>().high.x();
@@ -219,7 +219,7 @@ Case make_case(const Bench& s, const Common& common, const Variant& v,
     return c;
 }
 
-void run_block(const Bench& s, Case& c) {
+void run_block(const Benchmark& s, Case& c) {
     const bool looks = c.variant.also == Also::frames || c.variant.also == Also::porosity;
     if (c.variant.also == Also::frames)
         c.frames = std::make_unique<FrameWriter>(
@@ -247,7 +247,7 @@ std::size_t systems_of(const Case& c) {
     return count;
 }
 
-void report(const Bench& s, const Common& common, std::vector<Case>& cases) {
+void report(const Benchmark& s, const Common& common, std::vector<Case>& cases) {
     std::string csv =
         "feature,against,spheres,steps,rounds,systems,median_ns_per_particle_step,least_ns_per_"
         "particle_step,cost_ns_per_particle_step,coordination,floor_force_over_weight\n";
@@ -276,7 +276,7 @@ void report(const Bench& s, const Common& common, std::vector<Case>& cases) {
     write_whole(common.out / "features.csv", csv);
 }
 
-void run(const Bench& s, const Common& common) {
+void run(const Benchmark& s, const Common& common) {
     const std::vector<Vec3> positions = settled(s);
     std::vector<Case> cases;
     for (const Variant& v : variants)
@@ -290,8 +290,8 @@ void run(const Bench& s, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Bench>(argc, argv,
-                               {"features", "Measures the cost of each feature of a scene.",
-                                "it takes some minutes", "it runs several scenes"},
-                               run);
+    return run_scenario<Benchmark>(argc, argv,
+                                   {"features", "Measures the cost of each feature of a scene.",
+                                    "it takes some minutes", "it runs several scenes"},
+                                   run);
 }

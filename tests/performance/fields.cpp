@@ -25,10 +25,10 @@ namespace {
 
 using namespace bris;
 
-struct Bench {
+struct Benchmark {
     unsigned rocks = 4000, rounds = 5;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("rocks", rocks, "", "Number of rocks.", within(10, 1e5));
         option("rounds", rounds, "", "Number of times that each field is computed.",
                within(1, 1000));
@@ -67,9 +67,9 @@ double rms_error(const SolidFraction& field, const SolidFraction& reference) {
     return std::sqrt(sum / count);
 }
 
-void run(const Bench& bench, const Common& common) {
+void run(const Benchmark& benchmark, const Common& common) {
     double radius = 0;
-    const World world = make_rocks(bench.rocks, common.seed, radius);
+    const World world = make_rocks(benchmark.rocks, common.seed, radius);
     std::vector<std::vector<double>> rows;
     fmt::print("voxel_mm lines cpu_s wall_s voxels error estimate rms_voxel\n");
     for (const double voxel : {10e-3, 5e-3}) {
@@ -81,7 +81,7 @@ void run(const Bench& bench, const Common& common) {
         for (const int samples : {2, 3, 4, 6}) {
             std::vector<double> cpu, wall;
             SolidFraction field;
-            for (unsigned k = 0; k < bench.rounds; ++k) {
+            for (unsigned k = 0; k < benchmark.rounds; ++k) {
                 field = SolidFraction(lattice, samples);
                 const auto began = this_instant();
                 const std::clock_t clock = std::clock();
@@ -107,10 +107,10 @@ void run(const Bench& bench, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Bench>(argc, argv,
-                               {.name = "fields",
-                                .description = "Time and error of the solid fraction.",
-                                .cannot_resume = "it takes less than a minute",
-                                .cannot_explain = "it simulates nothing"},
-                               run);
+    return run_scenario<Benchmark>(argc, argv,
+                                   {.name = "fields",
+                                    .description = "Time and error of the solid fraction.",
+                                    .cannot_resume = "it takes less than a minute",
+                                    .cannot_explain = "it simulates nothing"},
+                                   run);
 }

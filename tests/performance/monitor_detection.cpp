@@ -23,7 +23,7 @@ struct Detection {
     double duration = 6, false_alarms = 0.05;
     SyntheticVibration vibration{.sensors = 1};
     MonitorSettings settings;
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("sites", sites, "",
                "Sensors with a baseline of their own, and one new passage in "
                "each state: the independent trials.",
@@ -39,7 +39,7 @@ struct Detection {
                "Standard deviation of the logarithm of the level from passage to passage.",
                within(0, 1));
         option("duration", duration, "s", "Time that a passage takes.", within(3, 600));
-        settings.describe(option);
+        settings.declare_options(option);
     }
 };
 

@@ -6,7 +6,7 @@
 #include "engine/io/whole_file.hpp"
 #include "engine/random.hpp"
 #include "engine/run.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "scenarios/specimens/sphere_bed.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/performance/machine.hpp"
@@ -26,7 +26,7 @@ struct Regression {
     std::filesystem::path baseline =
         assets_folder().parent_path() / "tests/performance/results/regression.csv";
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("rounds", rounds, "",
                "Number of timed blocks of each case; the median counts, and their spread is the "
                "noise.",

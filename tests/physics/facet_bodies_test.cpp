@@ -65,7 +65,7 @@ struct Drop {
     EntityId tie;
 };
 
-Drop drop(bool floor, const BenchSettings& settings, double local_damping = 0) {
+Drop drop(bool floor, const SmallSceneSettings& settings, double local_damping = 0) {
     World world = make_world(Grains::clumps);
     const auto rock = add_material(world, rock_material(0.5, 0.6)),
                concrete = add_material(world, rock_material(0.6, 0.5));
@@ -90,7 +90,7 @@ Drop drop(bool floor, const BenchSettings& settings, double local_damping = 0) {
     return {begin(std::move(world), settings), tie};
 }
 
-const BenchSettings drop_settings{
+const SmallSceneSettings drop_settings{
     .dt = 5e-6, .law = LawName::linear_viscous, .energy_budget = true};
 
 // a frictionless sphere hits a free block, elastic, in the direction -normal at `point`
@@ -212,7 +212,7 @@ TEST_SUITE("physics/facet_bodies") {
     }
 
     TEST_CASE("a tie comes to rest on rocks, which carry its weight") {
-        BenchSettings settings = drop_settings;
+        SmallSceneSettings settings = drop_settings;
         settings.dt = 1e-5;
         settings.energy_budget = false;
         Drop d = drop(true, settings, 0.7);

@@ -3,8 +3,8 @@
 #include "engine/random.hpp"
 #include "engine/ranks.hpp"
 #include "engine/state.hpp"
-#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/fields/initial_fouling.hpp"
 #include "systems/fusion/fuse.hpp"
@@ -35,14 +35,14 @@ std::string difference(const Archive& a, const Archive& b) {
     return a.arrays().size() == b.arrays().size() ? "" : "another number of arrays";
 }
 
-BenchSettings plain() {
+SmallSceneSettings plain() {
     return {.dt = 2e-5,
             .law = LawName::linear_viscous,
             .lists = {.outer_skin = 0.002, .inner_skin = 0.0004, .sort_every = 3, .tune = false},
             .schedule = {.serial = true, .grain = 16}};
 }
 
-Archive undivided(World world, const BenchSettings& settings, std::uint64_t steps) {
+Archive undivided(World world, const SmallSceneSettings& settings, std::uint64_t steps) {
     Simulation simulation = begin(std::move(world), settings);
     simulation.divide({});
     simulation.advance(steps);
@@ -165,7 +165,7 @@ TEST_SUITE("ranks") {
                     CAPTURE(static_cast<int>(walls));
                     CAPTURE(budget);
                     const auto make = [&] { return long_heap(grains, walls, 90, 7); };
-                    BenchSettings settings = plain();
+                    SmallSceneSettings settings = plain();
                     settings.energy_budget = budget;
                     const Archive whole = undivided(make(), settings, 1600);
                     REQUIRE(whole.find("sphere_pairs/key")->rows() > 4);
@@ -222,7 +222,7 @@ TEST_SUITE("ranks") {
 
     TEST_CASE("single spheres are moved and passed on by one system, with the same bits as by "
               "those that it combines") {
-        BenchSettings settings = plain();
+        SmallSceneSettings settings = plain();
         const auto make = [] { return long_heap(Grains::spheres, Walls::planes, 120, 11); };
         Simulation together = begin(make(), settings);
         together.advance_unseen(1000);
@@ -242,7 +242,7 @@ TEST_SUITE("ranks") {
     }
 
     TEST_CASE("ties with loads, and plates on springs, feel the contacts of all ranks") {
-        BenchSettings settings = plain();
+        SmallSceneSettings settings = plain();
         settings.energy_budget = true;
         for (const unsigned plates : {1u, 8u}) { // each rank sorts the rows of eight in its own way
             CAPTURE(plates);
@@ -261,7 +261,7 @@ TEST_SUITE("ranks") {
                 if (!(mass[b] > 0)) world.column<Bodies, AngularVelocity>()[b] = Vec3(0, 0, 3);
             return world;
         };
-        BenchSettings settings = plain();
+        SmallSceneSettings settings = plain();
         settings.energy_budget = true;
         const Archive whole = undivided(make(), settings, 1200);
         CHECK(std::ranges::count(whole.get<double>("bodies/boundary_work"), 0.0) <
@@ -274,7 +274,7 @@ TEST_SUITE("ranks") {
     TEST_CASE("a membrane feels the contacts of all ranks") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             CAPTURE(static_cast<int>(grains));
-            BenchSettings settings = plain();
+            SmallSceneSettings settings = plain();
             settings.energy_budget = grains == Grains::clumps;
             const Archive whole = undivided(tube_scene(grains), settings, 1500);
             Simulation divided = begin(tube_scene(grains), settings);
@@ -369,7 +369,7 @@ TEST_SUITE("ranks") {
                 materials.mix();
                 world.add_resource(LocalDamping{0.3});
                 add_sleep(world, {.steps = 200});
-                BenchSettings settings = plain();
+                SmallSceneSettings settings = plain();
                 settings.law = LawName::linear_rolling;
                 Simulation simulation = begin(std::move(world), settings);
                 if (!is_divided) simulation.divide({});
@@ -428,7 +428,7 @@ TEST_SUITE("ranks") {
 
     TEST_CASE("threads on each rank do not change a bit") {
         const auto make = [] { return long_heap(Grains::clumps, Walls::facets, 90, 11); };
-        BenchSettings settings = plain();
+        SmallSceneSettings settings = plain();
         const Archive whole = undivided(make(), settings, 800);
         settings.threads = 2;
         settings.lists = {};
@@ -514,7 +514,7 @@ TEST_SUITE("ranks") {
             const auto walls = number(0, 1) < 0.5 ? Walls::planes : Walls::facets;
             const auto bodies = static_cast<unsigned>(number(8, 120));
             const double push = number(0, 1) < 0.5 ? number(20, 80) : 0;
-            BenchSettings settings = plain();
+            SmallSceneSettings settings = plain();
             settings.law = laws[static_cast<std::size_t>(number(0, 5.999))];
             settings.energy_budget = number(0, 1) < 0.3;
             settings.unlimited = true;

@@ -15,7 +15,7 @@ using namespace bris;
 struct Bounce {
     double height = 0.1, restitution = 0.8, step = 2e-6, duration = 0.3;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("height", height, "m", "Height from which the sphere falls.", within(0.01, 1));
         option("restitution", restitution, "", "Coefficient of restitution.", within(0.1, 1));
         option("step", step, "s", "Time step.", within(1e-7, 2e-5));
@@ -65,7 +65,7 @@ void run(const Bounce& s, const Common& common) {
     Summary summary;
     summary.add("rebound_height_m", rebound);
     summary.add("rebound_height_error", rebound / exact - 1);
-    run.describe(summary);
+    run.add_to_summary(summary);
     report_results(common, summary);
 }
 

@@ -35,12 +35,12 @@ Keys keys_of_sources() {
     for (const char* path :
          {"engine/run.cpp", "systems/output/quantities.cpp", "scenarios/settle.cpp",
           "scenarios/triaxial.cpp", "scenarios/specimens/fouling_options.cpp",
-          "scenarios/smart_triaxial.cpp", "scenarios/assimilation/smart_results.cpp"})
+          "scenarios/smart_triaxial.cpp", "scenarios/library/smart_results.cpp"})
         collect(keys, source(path), plain);
     for (const char* path : {"engine/version.cpp", "scenarios/triaxial/triaxial_results.cpp",
-                             "scenarios/assimilation/learning_results.cpp"})
+                             "scenarios/ensemble/learning_results.cpp"})
         collect(keys, source(path), listed);
-    const std::string smart = source("scenarios/assimilation/smart_results.cpp");
+    const std::string smart = source("scenarios/library/smart_results.cpp");
     for (const char* whose : {"DEM_only_rmse_", "fused_rmse_"}) {
         const std::regex pair(R"re(\badd_errors\(to, "(\w+)", "(\w*)",)re");
         for (auto match = std::sregex_iterator(smart.begin(), smart.end(), pair);

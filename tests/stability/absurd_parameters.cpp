@@ -2,8 +2,8 @@
 // and states its range.
 #include "engine/errors.hpp"
 #include "engine/options.hpp"
-#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/check_scene.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/stability/cases.hpp"
 
 #include <fmt/format.h>
@@ -130,7 +130,7 @@ struct Absurd {
     unsigned grains = 100;
     double radius = 0.01, friction = 0.5, restitution = 0.8;
     std::string law = "linear";
-    void describe(Options& option) {
+    void declare_options(Options& option) {
         option("grains", grains, "", "Number of grains.", within(1, 50e6));
         option("radius", radius, "m", "Radius of a grain.", above(0));
         option("friction", friction, "", "Coulomb friction coefficient.", at_least(0));
@@ -153,7 +153,7 @@ void add_options(StressRows& rows) {
         for (const std::string& value : values) {
             Absurd settings;
             Options options;
-            settings.describe(options);
+            settings.declare_options(options);
             tally.add(flag, flag + " " + value,
                       refusal_of([&] { options.parse({flag + "=" + value}); }));
         }

@@ -1,5 +1,5 @@
 // S27: clumps move as the rigid bodies that they represent.
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/stability/cases.hpp"
 
 #include <fmt/format.h>

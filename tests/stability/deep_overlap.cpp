@@ -1,7 +1,7 @@
 // S9: initial states with deep overlaps are refused, or relaxed without an explosion.
-#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/relax.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "tests/stability/cases.hpp"
 

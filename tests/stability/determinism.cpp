@@ -1,7 +1,7 @@
 // S1: results have the same bits with any number of threads, any skin and any order of the rows.
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/stability/cases.hpp"
 
@@ -31,12 +31,12 @@ void shuffle_rows(World& world, std::uint64_t seed) {
 
 struct Variant {
     std::string name;
-    BenchSettings setup;
+    SmallSceneSettings setup;
     bool shuffled = false;
 };
 
 std::vector<Variant> variants(double diameter, unsigned threads) {
-    const BenchSettings plain{
+    const SmallSceneSettings plain{
         .dt = 2e-5, .law = LawName::linear_viscous, .schedule = {.grain = 16}};
     std::vector<Variant> list{{"1 thread, automatic skins", plain}, {"1 thread, repeated", plain}};
     for (const unsigned n :

@@ -1,7 +1,7 @@
 // S6: the energy budget closes, and friction, dashpots and rolling resistance only dissipate.
 #include "components/pair.hpp"
 #include "engine/ordering.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/stability/cases.hpp"

@@ -2,7 +2,7 @@
 // passes through another.
 #include "engine/health.hpp"
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "tests/stability/cases.hpp"
 

@@ -1,7 +1,7 @@
 // S15: results do not depend on the reference frame: moving, rotated or shifted.
 #include "components/boundary.hpp"
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/stability/cases.hpp"
 

@@ -3,7 +3,7 @@
 #include "systems/broadphase/lists.hpp"
 
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/stability/cases.hpp"
 

@@ -1,6 +1,6 @@
 // S12: conserved quantities stay constant over very many steps.
-#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/stability/cases.hpp"
 

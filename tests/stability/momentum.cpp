@@ -1,5 +1,5 @@
 // S16: without external forces momentum and angular momentum are conserved.
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/stability/cases.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // S13: restitution from 0 to 1 and friction from 0 to 10 have their nominal values.
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/stability/cases.hpp"
 
 #include <fmt/format.h>

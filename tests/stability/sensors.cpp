@@ -3,7 +3,7 @@
 #include "engine/random.hpp"
 #include "engine/signal/imu.hpp"
 #include "scenarios/sensors/quality_control.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "tests/stability/cases.hpp"
 #include "tests/stability/observed.hpp"

@@ -4,7 +4,7 @@
 #include "components/platen.hpp"
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "tests/stability/cases.hpp"
 

@@ -1,6 +1,6 @@
 // S8: small bodies between large ones and light bodies under heavy ones.
-#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/stability/cases.hpp"
 

@@ -1,7 +1,7 @@
 // S18: a bed whose grains may sleep settles as one whose grains may not, whatever changes around
 // it, and no sleeping grain floats.
 #include "components/sleep.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "tests/stability/cases.hpp"

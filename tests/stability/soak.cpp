@@ -6,7 +6,7 @@
 #include "engine/io/checkpoint.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/stopwatch.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/frames.hpp"
 #include "tests/stability/cases.hpp"
 
@@ -66,7 +66,7 @@ World scene(std::uint64_t number) {
 /// Makes a scene, runs it, and writes and reads each kind of file. One of four scenes is stopped by
 /// a file that cannot be read.
 void load_and_run(std::uint64_t number, const fs::path& folder) {
-    const BenchSettings settings{.dt = 2e-5, .law = LawName::linear_viscous};
+    const SmallSceneSettings settings{.dt = 2e-5, .law = LawName::linear_viscous};
     Simulation simulation = begin(scene(number), settings);
     FrameWriter frames(folder / "soak.vtkhdf", {});
     std::vector<std::vector<double>> table;

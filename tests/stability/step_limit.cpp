@@ -1,7 +1,7 @@
 // S4: the largest stable time step, compared with theory and with the engine's own estimate.
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/stability/cases.hpp"

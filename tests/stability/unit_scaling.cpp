@@ -1,5 +1,5 @@
 // S14: results do not depend on the units of a scene.
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/stability/cases.hpp"
 
 #include <fmt/format.h>
@@ -45,7 +45,7 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
     return worst;
 }
 
-std::string describe(const Units& u) {
+std::string sentence_of(const Units& u) {
     return fmt::format("length x {:g}, mass x {:g}, time x {:g}", u.length, u.mass, u.time);
 }
 
@@ -65,7 +65,7 @@ StressRows stress_unit_scaling(const StressSettings& s) {
                                Units{1, 1, 0x1p-20}, Units{0x1p10, 0x1p30, 0x1p15}}) {
             scene.units = u;
             const double error = difference(exact, bare_state(scene, long_run));
-            rows.push_back({"S14", fmt::format("{}: {}", what, describe(u)),
+            rows.push_back({"S14", fmt::format("{}: {}", what, sentence_of(u)),
                             fmt::format("all bits equal after {} steps", long_run),
                             error == 0 ? "equal" : fmt::format("differs by {:.2e}", error),
                             error == 0});
@@ -81,7 +81,7 @@ StressRows stress_unit_scaling(const StressSettings& s) {
         for (const Units& u : systems) {
             scene.units = u;
             const double error = difference(plain, bare_state(scene, short_run));
-            rows.push_back({"S14", fmt::format("{}: {}", what, describe(u)),
+            rows.push_back({"S14", fmt::format("{}: {}", what, sentence_of(u)),
                             fmt::format("equal to 1e-12 after {} steps", short_run),
                             fmt::format("differs by {:.2e}", error), error < 1e-12});
         }

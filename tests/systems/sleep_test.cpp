@@ -19,7 +19,7 @@ namespace {
 constexpr unsigned count = 60;
 
 /// Grains that fall into a box, tumble and come to rest.
-Simulation tumbling(Grains grains, bool may_sleep, BenchSettings run = {},
+Simulation tumbling(Grains grains, bool may_sleep, SmallSceneSettings run = {},
                     unsigned bodies = count) {
     run.dt = 2e-5;
     run.law = LawName::linear_rolling; // otherwise a sphere on one contact spins for ever
@@ -174,7 +174,7 @@ TEST_SUITE("sleep") {
               "any lists and after a restart") {
         constexpr unsigned many = 300; // enough for idle blocks of rows beside others
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
-            const auto settled = [&](const BenchSettings& settings) {
+            const auto settled = [&](const SmallSceneSettings& settings) {
                 Simulation sim = tumbling(grains, true, settings, many);
                 sim.advance(18000);
                 (void)lift_one(sim, 2e-4);
@@ -207,7 +207,7 @@ TEST_SUITE("sleep") {
             CHECK(most > many / 4);
             if (grains == Grains::spheres) CHECK(some > 0);
             const auto whole = fingerprint(sim.snapshot());
-            const auto run = [&](const BenchSettings& settings) {
+            const auto run = [&](const SmallSceneSettings& settings) {
                 Simulation other = settled(settings);
                 other.advance(1500);
                 return fingerprint(other.snapshot());

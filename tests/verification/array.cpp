@@ -1,7 +1,7 @@
 #include "tests/verification/array.hpp"
 
 #include "engine/errors.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/collision/peak.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 #include <Eigen/Dense>
 

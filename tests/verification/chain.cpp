@@ -4,7 +4,7 @@
 #include "engine/errors.hpp"
 #include "scenarios/collision/impact.hpp"
 #include "scenarios/collision/peak.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 #include "components/settings.hpp"
 #include "engine/random.hpp"
 #include "scenarios/collision/impact.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "engine/estimation/linear_fit.hpp"
 #include "engine/random.hpp"
 #include "scenarios/collision/impact.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 #include <cmath>
 #include <vector>

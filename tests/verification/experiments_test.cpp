@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
 #include "scenarios/collision/impact.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/about.hpp"
 #include "tests/verification/cases.hpp"
 #include "tests/verification/chain.hpp"

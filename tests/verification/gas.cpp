@@ -3,7 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "scenarios/collision/impact.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/quantities.hpp"
 
 #include <algorithm>

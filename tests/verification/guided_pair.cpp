@@ -1,6 +1,6 @@
 #include "tests/verification/guided_pair.hpp"
 
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "scenarios/collision/impact.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 namespace bris::detail {
 

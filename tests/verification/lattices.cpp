@@ -1,4 +1,4 @@
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/verification/cases.hpp"
 #include "tests/verification/chain.hpp"
 #include "tests/verification/crystal.hpp"

@@ -1,5 +1,5 @@
 #include "components/laws/linear_bridge.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/verification/cases.hpp"
 #include "tests/verification/guided_pair.hpp"

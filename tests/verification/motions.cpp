@@ -1,6 +1,6 @@
 #include "engine/math.hpp"
 #include "scenarios/collision/impact.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/verification/bounce.hpp"
 #include "tests/verification/cases.hpp"
 #include "tests/verification/impacts.hpp"

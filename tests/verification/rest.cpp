@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/output/stress.hpp"
 

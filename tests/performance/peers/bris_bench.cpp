@@ -30,7 +30,7 @@ namespace {
 
 using namespace bris;
 
-struct Bench {
+struct Benchmark {
     std::string scene = "settle", law = "linear";
     std::filesystem::path bed, positions;
     bool make = false, profile = false, sleep = false, one_pass = true, combined = true,
@@ -43,7 +43,7 @@ struct Bench {
     double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0;
     std::uint64_t check_steps = 200, steps = 1000;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("scene", scene, "", "Scene, which determines stiffness, time step and gravity.",
                {"settle", "fall", "shear", "quiet", "poly", "poly5", "clumps", "drop", "triaxial",
                 "triaxial_spheres"});
@@ -110,7 +110,7 @@ double translational_energy(const World& world) {
     return sum;
 }
 
-ListSettings lists_of(const Bench& s, const peers::Bed& bed) {
+ListSettings lists_of(const Benchmark& s, const peers::Bed& bed) {
     ListSettings lists{.widest_ratio = s.widest_ratio, .sort_every = s.sort_every};
     if (s.skin == 0) return lists;
     double radius = 0;
@@ -147,7 +147,7 @@ double ghost_share(const World& part) {
     return ghosts / (static_cast<double>(ghost.size()) - ghosts);
 }
 
-Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& bed,
+Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Bed& bed,
                   unsigned threads) {
     const LawName law = peers::law_named(s.law);
     World scene_world = make_scene(bed, scene, law);
@@ -202,7 +202,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     return o;
 }
 
-void report(const Bench& s, const peers::Bed& bed, const Outcome& o) {
+void report(const Benchmark& s, const peers::Bed& bed, const Outcome& o) {
     if (!Ranks::is_first()) return;
     const auto spheres = static_cast<double>(bed.balls.size() * s.worlds);
     for (const Vec3& p : o.pressures)
@@ -229,7 +229,7 @@ void report(const Bench& s, const peers::Bed& bed, const Outcome& o) {
     for (const auto& [name, seconds] : o.seconds) fmt::print("  {:10.6f} s  {}\n", seconds, name);
 }
 
-void run(const Bench& s) {
+void run(const Benchmark& s) {
     peers::Scene scene = peers::scene_named(s.scene);
     require(!s.bed.empty(), "--bed: expected a file, found none");
     if (s.make) return write_bed(s.bed, make_bed(scene, s.spheres, s.threads));
@@ -256,9 +256,9 @@ void run(const Bench& s) {
 
 int main(int argc, char** argv) {
     return detail::exit_code_of("peers_bench", [&] {
-        Bench settings;
+        Benchmark settings;
         Options options;
-        settings.describe(options);
+        settings.declare_options(options);
         if (detail::parse_or_answer(options, {argv + 1, argv + argc}, "peers_bench",
                                     "Runs a scene of the comparison with other codes, or makes its "
                                     "bed."))

@@ -6,7 +6,7 @@
 #include "engine/choice.hpp"
 #include "scenarios/collision/impact.hpp"
 #include "scenarios/collision/peak.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/performance/time_vs_error/scene.hpp"
 
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "scenarios/collision/impact.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "scenarios/specimens/sphere_bed.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/output/balance.hpp"

@@ -28,7 +28,7 @@ struct Campaign {
     std::filesystem::path work = "results/time_vs_error";
     double longest = 1e9;
 
-    void describe(auto& option) {
+    void declare_options(auto& option) {
         option("scenes", scenes, "",
                "Scenes, separated by commas: S1 impacts, S2 rotation, S3 gas, S4 packing, S5 "
                "triaxial test.");
@@ -193,7 +193,7 @@ int main(int argc, char** argv) {
     return bris::detail::exit_code_of("time_vs_error", [&] {
         bris::time_vs_error::Campaign campaign;
         bris::Options options;
-        campaign.describe(options);
+        campaign.declare_options(options);
         if (bris::detail::parse_or_answer(
                 options, {argv + 1, argv + argc}, "time_vs_error",
                 "Compares wall time with error for each setting in five scenes."))

@@ -2,7 +2,7 @@
 // spheres, whose energy must be constant.
 #include "engine/choice.hpp"
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/performance/time_vs_error/scene.hpp"
 #include "tests/verification/gas.hpp"
 #include "tests/verification/top.hpp"

@@ -75,9 +75,9 @@ World make_world_of(const std::vector<Clump>& clumps, double initial_porosity, s
     return make_triaxial_world(specimen, clumps, std::span(clumps).first(1), sample.rocks, {});
 }
 
-class Bench {
+class TriaxialRuns {
 public:
-    explicit Bench(std::filesystem::path work) : work_(std::move(work)) {}
+    explicit TriaxialRuns(std::filesystem::path work) : work_(std::move(work)) {}
     Outcome run(const Settings& settings, std::uint64_t seed);
 
 private:
@@ -90,7 +90,7 @@ private:
     Archive ready_;
 };
 
-TriaxialSettings Bench::test_of(const Settings& settings) const {
+TriaxialSettings TriaxialRuns::test_of(const Settings& settings) const {
     TriaxialSettings test;
     test.confining_pressure = pressure;
     test.final_axial_strain = final_strain;
@@ -105,7 +105,7 @@ TriaxialSettings Bench::test_of(const Settings& settings) const {
     return test;
 }
 
-Simulation Bench::begin(const Settings& settings, std::uint64_t seed) const {
+Simulation TriaxialRuns::begin(const Settings& settings, std::uint64_t seed) const {
     const std::string& library = settings.word("library");
     auto clumps = read_clumps(library_folder(work_, library));
     std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
@@ -128,7 +128,7 @@ Simulation Bench::begin(const Settings& settings, std::uint64_t seed) const {
 }
 
 /// Specimen made with the standard settings of the scene, before consolidation.
-const Archive& Bench::specimen(const std::string& library, std::uint64_t seed) {
+const Archive& TriaxialRuns::specimen(const std::string& library, std::uint64_t seed) {
     const std::string name = fmt::format("specimen_{}_seed_{}", library, seed);
     if (name == ready_name_) return ready_;
     const auto file = work_ / (name + ".ckpt.h5");
@@ -196,7 +196,7 @@ double around(const TestCurves& curves, double strain, const Quantity& q) {
     return count > 0 ? sum / count : unknown;
 }
 
-Outcome Bench::run(const Settings& settings, std::uint64_t seed) {
+Outcome TriaxialRuns::run(const Settings& settings, std::uint64_t seed) {
     const TriaxialSettings settings_of_test = test_of(settings);
     const Archive& start = specimen(settings.word("library"), seed);
     Simulation simulation = begin(settings, seed);
@@ -291,9 +291,9 @@ Scene triaxial(const std::string& work) {
          counts,
          {{"patch", "per_sphere"}},
          {{"library", "60"}, {"patch", "shared"}}}};
-    const auto bench = std::make_shared<Bench>(work);
-    s.run = [bench](const Settings& settings, std::uint64_t seed) {
-        return bench->run(settings, seed);
+    const auto runs = std::make_shared<TriaxialRuns>(work);
+    s.run = [runs](const Settings& settings, std::uint64_t seed) {
+        return runs->run(settings, seed);
     };
     return s;
 }

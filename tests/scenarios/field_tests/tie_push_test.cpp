@@ -3,7 +3,7 @@
 #include "components/settings.hpp"
 #include "engine/run.hpp"
 #include "scenarios/field_tests/tie_bed.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "tests/about.hpp"
 #include "tests/support.hpp"
 #include "tests/temporary_directory.hpp"

@@ -1,11 +1,11 @@
 #include "engine/errors.hpp"
 #include "engine/signal/imu.hpp"
-#include "scenarios/assimilation/misfit.hpp"
-#include "scenarios/assimilation/twin.hpp"
+#include "scenarios/ensemble/misfit.hpp"
+#include "scenarios/ensemble/twin.hpp"
 #include "scenarios/records/quality_control_report.hpp"
 #include "scenarios/records/recorded_test.hpp"
 #include "tests/about.hpp"
-#include "tests/scenarios/assimilation/steady_run.hpp"
+#include "tests/scenarios/ensemble/steady_run.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>

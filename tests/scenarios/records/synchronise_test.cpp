@@ -1,12 +1,12 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
-#include "scenarios/assimilation/live_test.hpp"
-#include "scenarios/assimilation/twin.hpp"
+#include "scenarios/ensemble/live_test.hpp"
+#include "scenarios/ensemble/twin.hpp"
 #include "scenarios/records/quality_control_report.hpp"
 #include "scenarios/stream/logged_lines.hpp"
 #include "scenarios/stream/recorded_stream.hpp"
 #include "tests/about.hpp"
-#include "tests/scenarios/assimilation/steady_run.hpp"
+#include "tests/scenarios/ensemble/steady_run.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>

@@ -33,7 +33,7 @@ Recording recording_of_all(std::size_t number) {
 
 } // namespace
 
-TEST_SUITE("recordings/channels") {
+TEST_SUITE("sensors/channels") {
     TEST_CASE("every column has a name of its own, and leads to its channel and place") {
         std::set<std::string_view> names, datasets;
         std::size_t place = 0;

@@ -34,7 +34,7 @@ const auto swapped = [](const Vec3& u) { return Vec3(u.x(), u.z(), u.y()); };
 
 } // namespace
 
-TEST_SUITE("recordings/compare_displacements") {
+TEST_SUITE("sensors/compare_displacements") {
     TEST_CASE("a reversed sign is detected in a rock that moves up while all others move down") {
         for (const char* pressure : {"55kPa", "110kPa", "165kPa"}) {
             CHECK(refused_by(example_recordings(pressure), reversed,

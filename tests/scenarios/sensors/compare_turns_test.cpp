@@ -16,7 +16,7 @@ std::vector<Recording> of_inertia(const std::string& pressure) {
 
 } // namespace
 
-TEST_SUITE("recordings/compare_turns") {
+TEST_SUITE("sensors/compare_turns") {
     TEST_CASE("gravity agrees with the rates of the example, and refuses those of one sensor with "
               "the opposite sign") {
         for (const char* pressure : {"55kPa", "110kPa", "165kPa"}) {

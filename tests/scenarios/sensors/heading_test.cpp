@@ -51,7 +51,7 @@ std::string found(const Recording& r, const std::string& check) {
 
 } // namespace
 
-TEST_SUITE("recordings/heading") {
+TEST_SUITE("sensors/heading") {
     TEST_CASE("in a steady field a magnetometer measures the rotation of a rock about the "
               "vertical, whatever its tilt") {
         for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -31,7 +31,7 @@ std::vector<Recording> begun_upright() {
 
 } // namespace
 
-TEST_SUITE("recordings/inspect_attitude") {
+TEST_SUITE("sensors/inspect_attitude") {
     TEST_CASE("quaternions of norm 0, or any other norm than 1, are refused") {
         CHECK(has(changed([](const Quat&) { return Quat(0, 0, 0, 0); }),
                   "attitude: expected unit quaternions, found 85 that are not, the first with norm "

@@ -51,7 +51,7 @@ void leave_out(Recording& r, std::size_t from, std::size_t to) {
 
 } // namespace
 
-TEST_SUITE("recordings/inspect_device") {
+TEST_SUITE("sensors/inspect_device") {
     TEST_CASE("the range and the drift of the temperature are reported, and impossible "
               "temperatures are queried") {
         Recording r = still();

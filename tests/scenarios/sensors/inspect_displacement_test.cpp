@@ -9,7 +9,7 @@
 using namespace bris;
 using namespace bris::testing;
 
-TEST_SUITE("recordings/inspect_displacement") {
+TEST_SUITE("sensors/inspect_displacement") {
     TEST_CASE("the shipped recordings are accepted at every stage of a test, without findings in "
               "displacement and attitude") {
         for (const char* pressure : {"55kPa", "110kPa", "165kPa"})

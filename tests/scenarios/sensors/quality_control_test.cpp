@@ -68,7 +68,7 @@ fs::path written(const char* name, const std::string& text) {
 
 } // namespace
 
-TEST_SUITE("recordings/quality_control") {
+TEST_SUITE("sensors/quality_control") {
     TEST_CASE("recordings of sensors as declared are accepted, and missing samples are reported") {
         const std::vector<Recording> all{recording(1), recording(2), recording(3)};
         const auto findings = check_recordings(all, earth);

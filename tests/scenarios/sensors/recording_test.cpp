@@ -79,7 +79,7 @@ void check_full(const Recording& read, const Recording& written, double toleranc
 
 } // namespace
 
-TEST_SUITE("recordings/recording") {
+TEST_SUITE("sensors/recording") {
     TEST_CASE("recordings written to HDF5 are read back the same, whatever the units and the "
               "mounting") {
         const TemporaryDirectory directory;

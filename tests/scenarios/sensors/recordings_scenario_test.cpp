@@ -6,8 +6,8 @@
 #include "engine/io/column_map.hpp"
 #include "engine/io/hdf5.hpp"
 #include "engine/io/whole_file.hpp"
-#include "scenarios/records/bench_hdf5.hpp"
 #include "scenarios/records/guess_columns.hpp"
+#include "scenarios/records/machine_hdf5.hpp"
 #include "scenarios/records/recorded_test.hpp"
 #include "tests/about.hpp"
 #include "tests/engine/io/foreign_text.hpp"
@@ -60,7 +60,7 @@ bool has(const std::string& text, const std::string& part) {
 
 } // namespace
 
-TEST_SUITE("recordings/recordings_scenario") {
+TEST_SUITE("sensors/recordings_scenario") {
     TEST_CASE("the shipped recordings are judged in seconds: report, plots of every channel, and "
               "what is observable") {
         const TemporaryDirectory folder;
@@ -461,7 +461,7 @@ TEST_SUITE("recordings/recordings_scenario") {
         CHECK(has(message_of<InputError>([&] { (void)read_recorded_test(own, 55e3, infos, {}); }),
                   "/sensors/1/accel: units: expected m/s2, in which it is read, found g"));
         testing::set_foreign_text(path, "/bench/force", "unit", "kN", ForeignText::padded);
-        CHECK(has(message_of<InputError>([&] { (void)read_bench(path, 55e3); }),
+        CHECK(has(message_of<InputError>([&] { (void)read_machine(path, 55e3); }),
                   "/bench/force: unit: expected N, in which it is read, found kN"));
     }
 

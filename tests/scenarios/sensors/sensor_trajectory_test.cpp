@@ -35,7 +35,7 @@ Recording slow_recording(const Vec3& turn, const Vec3& shift, const Vec3& bias =
 
 } // namespace
 
-TEST_SUITE("recordings/sensor_trajectory") {
+TEST_SUITE("sensors/sensor_trajectory") {
     TEST_CASE(
         "a trajectory contains displacement and rotation since the start if they were recorded") {
         const Vec3 turn(0.05, -0.02, 0.1), shift(1e-3, 0, -2e-3);

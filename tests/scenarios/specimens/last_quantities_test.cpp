@@ -1,6 +1,6 @@
 #include "engine/archive.hpp"
-#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/last_quantities.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 
 #include <doctest/doctest.h>
 

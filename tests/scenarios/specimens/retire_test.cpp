@@ -47,7 +47,7 @@ std::vector<Row> rows_of_strays(const World& world, unsigned strays) {
 TEST_SUITE("specimens/retire") {
     TEST_CASE("retired bodies have no effect on the other bodies, which move with the same bits as "
               "if they had stayed") {
-        const BenchSettings settings{.law = LawName::linear_viscous};
+        const SmallSceneSettings settings{.law = LawName::linear_viscous};
         Simulation kept = begin(bed_with_strays(7), settings),
                    retired = begin(bed_with_strays(7), settings);
         kept.advance(3000);
@@ -66,7 +66,7 @@ TEST_SUITE("specimens/retire") {
 
     TEST_CASE(
         "a snapshot of a scene with retired bodies is restored in a scene that still had them") {
-        const BenchSettings settings{.law = LawName::linear_viscous};
+        const SmallSceneSettings settings{.law = LawName::linear_viscous};
         Simulation first = begin(bed_with_strays(3), settings),
                    second = begin(bed_with_strays(3), settings);
         first.advance(500);

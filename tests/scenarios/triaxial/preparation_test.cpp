@@ -11,7 +11,7 @@
 #include "scenarios/triaxial/specimen_state.hpp"
 #include "systems/output/balance.hpp"
 #include "tests/about.hpp"
-#include "tests/scenarios/assimilation/small_specimen.hpp"
+#include "tests/scenarios/ensemble/small_specimen.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>

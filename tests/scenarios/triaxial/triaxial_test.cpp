@@ -1,12 +1,12 @@
-#include "scenarios/assimilation/checkpointed_run.hpp"
-#include "scenarios/assimilation/twin.hpp"
+#include "scenarios/ensemble/checkpointed_run.hpp"
+#include "scenarios/ensemble/twin.hpp"
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/energy_budget.hpp"
 #include "systems/steps.hpp"
 #include "tests/about.hpp"
-#include "tests/scenarios/assimilation/small_specimen.hpp"
+#include "tests/scenarios/ensemble/small_specimen.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>

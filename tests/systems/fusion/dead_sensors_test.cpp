@@ -1,7 +1,7 @@
 // Sensors that fail during a run, or whose samples are all rejected, must not change the motion.
 
 #include "engine/random.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "tests/stability/observed.hpp"
 

@@ -3,7 +3,7 @@
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
 #include "scenarios/collision/collide.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"

@@ -1,5 +1,5 @@
 #include "engine/signal/attitude.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/loads/nudging.hpp"
 #include "systems/output/quantities.hpp"

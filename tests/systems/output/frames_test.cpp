@@ -4,7 +4,7 @@
 #include "engine/io/hdf5.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/ordering.hpp"
-#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "systems/output/contact_list.hpp"
 #include "systems/output/frames.hpp"
 #include "tests/about.hpp"
