@@ -59,11 +59,12 @@ TEST_SUITE("stream/stream_log") {
         const fs::path path = folder / "log";
         Random random(62, 1);
         std::vector<LogEntry> written;
+        const std::string letters = "{\"t\": 1}, \\\n\tüx";
         for (int n = 0; n < 2000; ++n) {
             std::string text;
             for (std::uint64_t k = random.bits() % 40; k > 0; --k)
                 text += n % 2 == 0 ? static_cast<char>(random.bits())
-                                   : "{\"t\": 1}, \\\n\tüx"[random.bits() % 18];
+                                   : letters[random.bits() % letters.size()];
             const double arrival = random.bits() % 8 == 0 ? no_arrival : random.uniform(0, 2e9);
             switch (random.bits() % 4) {
             case 0:

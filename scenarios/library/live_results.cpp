@@ -1,4 +1,4 @@
-#include "scenarios/ensemble/live_results.hpp"
+#include "scenarios/library/live_results.hpp"
 
 #include "engine/io/plot.hpp"
 #include "scenarios/ensemble/misfit.hpp"
