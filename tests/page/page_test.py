@@ -146,6 +146,8 @@ def check_sources(page):
 
 
 def main(a, folder):
+    if a.pictures:
+        os.makedirs(a.pictures, exist_ok=True)
     broker = Broker(folder, os.path.abspath(a.page))
     url = f'http://127.0.0.1:{broker.web}/index.html'
     browser = Browser(folder, url)
