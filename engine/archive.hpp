@@ -82,7 +82,7 @@ inline constexpr std::uint32_t ids_per_block = 65536;
 /// array without ids.
 struct StateBlock {
     std::size_t array;     ///< index of the first array of the table
-    std::uint32_t ids = 0; ///< the block begins with the id 65 536 ids
+    std::uint32_t ids = 0; ///< the block begins with the id 65 536 times this
     std::uint64_t hash = 0;
     bool operator==(const StateBlock&) const = default;
 };

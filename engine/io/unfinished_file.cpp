@@ -2,7 +2,6 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
-#include "engine/ranks.hpp"
 
 #include <fmt/format.h>
 
@@ -17,7 +16,6 @@ namespace bris {
 UnfinishedFile::UnfinishedFile(const std::filesystem::path& name)
     : complete_(file_to_write(name)), path_(temporary_name(complete_)),
       cleanup_([path = path_] { (void)::unlink(path.c_str()); }) {
-    if (!Ranks::writes()) return;
     std::error_code error;
     if (complete_.has_parent_path())
         std::filesystem::create_directories(complete_.parent_path(), error);
@@ -27,13 +25,12 @@ UnfinishedFile::UnfinishedFile(const std::filesystem::path& name)
 }
 
 UnfinishedFile::~UnfinishedFile() {
-    if (!Ranks::is_first()) return;
     std::error_code ignored; // after put_in_place there is none
     std::filesystem::remove(path_, ignored);
 }
 
 void UnfinishedFile::put_in_place() {
-    if (Ranks::is_first() && std::rename(path_.c_str(), complete_.c_str()) != 0)
+    if (std::rename(path_.c_str(), complete_.c_str()) != 0)
         throw OutputError(
             fmt::format("cannot write '{}': {}", complete_.string(), std::strerror(errno)));
 }

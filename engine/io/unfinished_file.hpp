@@ -10,7 +10,7 @@ namespace bris {
 /// complete: a reader finds either the old file or the whole new one. Without `put_in_place` it is
 /// removed with the object, and also where a request to stop ends the program. The temporary name
 /// contains the process id, because two runs into one folder must not share the unfinished file.
-/// Only the first rank of a run writes (Ranks::writes): on the others there is no file at all.
+/// Its owner has asked whether this rank writes (Ranks::writes).
 class UnfinishedFile {
 public:
     /// `name`: of the complete file (file_to_write). Creates missing folders. Throws OutputError.

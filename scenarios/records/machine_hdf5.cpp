@@ -153,20 +153,20 @@ private:
 
 } // namespace
 
-bool has_machine(const std::filesystem::path& path) {
+bool has_machine_record(const std::filesystem::path& path) {
     return Hdf5Content::read(path, {group}, Hdf5Content::Datasets::left_out).has(group);
 }
 
-MachineRecord read_machine(const std::filesystem::path& path, double pressure) {
-    return machine_in(Hdf5Content::read(path, {group}), pressure);
+MachineRecord read_machine_record(const std::filesystem::path& path, double pressure) {
+    return machine_record_in(Hdf5Content::read(path, {group}), pressure);
 }
 
-MachineRecord machine_in(const Hdf5Content& file, double pressure) {
+MachineRecord machine_record_in(const Hdf5Content& file, double pressure) {
     return MachineReader(file).read(pressure);
 }
 
-void write_machine(const std::filesystem::path& path, const TestCurves& curves,
-                   const std::vector<double>& time, double area, double pressure) {
+void write_machine_record(const std::filesystem::path& path, const TestCurves& curves,
+                          const std::vector<double>& time, double area, double pressure) {
     Hdf5File file = Hdf5File::open_to_write(path);
     std::vector<double> force, rings;
     const auto areas = areas_of(curves);

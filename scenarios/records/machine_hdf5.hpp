@@ -19,7 +19,7 @@ struct MachineRecord {
 };
 
 /// Whether a file of recordings has the group /bench. Throws OutputError.
-bool has_machine(const std::filesystem::path& path);
+bool has_machine_record(const std::filesystem::path& path);
 
 /// Reads the group /bench of an HDF5 file. Datasets with one number per record: time (s), strain
 /// (axial), force (N, deviatoric: of the piston without the share of the confining pressure) and
@@ -29,13 +29,13 @@ bool has_machine(const std::filesystem::path& path);
 /// volumetric strain. `pressure`: Pa. Throws InputError for wrong shapes or numbers, or if the
 /// median of the confining pressure differs from `pressure` by 5 % or more; OutputError if the file
 /// cannot be read.
-MachineRecord read_machine(const std::filesystem::path& path, double pressure);
+MachineRecord read_machine_record(const std::filesystem::path& path, double pressure);
 /// The same of a file whose group /bench has been read.
-MachineRecord machine_in(const Hdf5Content& file, double pressure);
+MachineRecord machine_record_in(const Hdf5Content& file, double pressure);
 
 /// Adds the group /bench to a file of recordings. `time`: s, of each row; `area`: m2; `pressure`:
 /// Pa. Throws OutputError.
-void write_machine(const std::filesystem::path& path, const TestCurves& curves,
-                   const std::vector<double>& time, double area, double pressure);
+void write_machine_record(const std::filesystem::path& path, const TestCurves& curves,
+                          const std::vector<double>& time, double area, double pressure);
 
 } // namespace bris

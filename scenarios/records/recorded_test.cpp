@@ -175,13 +175,13 @@ MachineRecord machine_record_of(const std::filesystem::path& of_test, double pre
                                 const std::filesystem::path& map) {
     const auto hdf5 = of_test / "recordings.h5", csv = of_test / "test.csv";
     const bool in_hdf5 = std::filesystem::exists(hdf5);
-    if (!in_hdf5 || (std::filesystem::exists(csv) && !has_machine(hdf5)))
+    if (!in_hdf5 || (std::filesystem::exists(csv) && !has_machine_record(hdf5)))
         return read_mapped(
             "--machine-columns", map_to_use(map, of_test.parent_path() / "machine_columns.txt"),
             machine_columns(), [&](const CsvForm& form) { return read_test(csv, form); });
     if (std::filesystem::exists(csv)) refuse_both(of_test, "test.csv", "/bench in recordings.h5");
     require_no_map("--machine-columns", map, hdf5, "test.csv");
-    return naming("--recordings", [&] { return read_machine(hdf5, pressure); });
+    return naming("--recordings", [&] { return read_machine_record(hdf5, pressure); });
 }
 
 } // namespace
@@ -315,7 +315,7 @@ void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressu
     const auto path = folder / folder_of(pressure) / "recordings.h5";
     UnfinishedFile unfinished(path);
     write_recordings_hdf5(unfinished.path(), recordings);
-    write_machine(unfinished.path(), measured, time, area, pressure);
+    write_machine_record(unfinished.path(), measured, time, area, pressure);
     unfinished.put_in_place();
 }
 

@@ -160,7 +160,7 @@ std::string refusal_of(const std::function<void()>& work) {
     return "";
 }
 
-World bed(const BedOfBenchmark& s) {
+World bed(const SmallBed& s) {
     const Tumble tumble{
         .grains = s.grains, .bodies = s.bodies, .seed = s.seed, .walls = s.walls == Walls::planes};
     World world = tumbling(tumble);

@@ -91,7 +91,7 @@ std::string refusal_of(const std::function<void()>& work);
 enum class Walls { planes, facets };
 
 /// What a bed is made of.
-struct BedOfBenchmark {
+struct SmallBed {
     Grains grains = Grains::spheres;
     Walls walls = Walls::planes;
     unsigned bodies = 100;
@@ -100,7 +100,7 @@ struct BedOfBenchmark {
 
 /// Grains with a radius of about 1 cm and friction, which start on a lattice with random velocities
 /// and settle in a box of planes or of facets.
-World bed(const BedOfBenchmark& bed);
+World bed(const SmallBed& bed);
 
 /// A cylindrical membrane of `rings` x `sectors` elements about the z axis, driven by a servo and
 /// closed by two planes; the upper one is a platen.

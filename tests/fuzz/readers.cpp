@@ -227,7 +227,7 @@ Texts hdf5_recordings(const fs::path&, const fs::path& folder) {
         row[quantity::volumetric_strain] = 0;
         time.push_back(i);
     }
-    write_machine(folder / "valid.h5", curves, time, 0.07, 55e3);
+    write_machine_record(folder / "valid.h5", curves, time, 0.07, 55e3);
     return {read_whole(folder / "valid.h5")};
 }
 
@@ -274,7 +274,7 @@ Texts vdb_files(const fs::path&, const fs::path& folder) {
 void read_hdf5_recordings(const fs::path& file) {
     const auto content = Hdf5Content::read(file, {"/sensors", "/bench"});
     (void)recordings_in(content, sensor_infos_in(content));
-    (void)machine_in(content, 55e3);
+    (void)machine_record_in(content, 55e3);
 }
 
 constexpr std::array readers{

@@ -28,7 +28,7 @@ void make_wet(World& world) {
 
 struct Scene {
     std::string name;
-    BedOfBenchmark bed;
+    SmallBed bed;
     bool membrane = false; ///< around the grains, which are moved to its axis
 };
 const std::vector<Scene>& scenes() {

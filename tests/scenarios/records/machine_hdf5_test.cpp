@@ -129,11 +129,11 @@ TEST_SUITE("records/machine_hdf5") {
         p[quantity::volumetric_strain] = -0.05;
         p[quantity::deviatoric_stress] = 2e5;
         Hdf5File::create(folder / "a.h5").close();
-        write_machine(folder / "a.h5", curves, {0, 1}, 0.018, 55e3);
+        write_machine_record(folder / "a.h5", curves, {0, 1}, 0.018, 55e3);
         const Hdf5File file = Hdf5File::open(folder / "a.h5");
         CHECK(file.read<double>("/bench/force")[1] == about(2e5 * 0.018 * 1.05 / 0.9)); // N
         CHECK(file.read<double>("/bench/confining") == std::vector<double>{55e3, 55e3});
-        CHECK(read_machine(folder / "a.h5", 55e3).curves[quantity::deviatoric_stress][1] ==
+        CHECK(read_machine_record(folder / "a.h5", 55e3).curves[quantity::deviatoric_stress][1] ==
               about(2e5));
     }
 
@@ -146,13 +146,14 @@ TEST_SUITE("records/machine_hdf5") {
             for (const double strain : truth.curves[quantity::axial_strain])
                 time.push_back(1.2e4 * strain);
             Hdf5File::create(folder / "a.h5").close();
-            write_machine(folder / "a.h5", truth.curves, time, 0.018, 55e3);
+            write_machine_record(folder / "a.h5", truth.curves, time, 0.018, 55e3);
             {
                 Hdf5File file = Hdf5File::open_to_write(folder / "a.h5");
                 change(file);
                 file.close();
             }
-            return message_of<InputError>([&] { (void)read_machine(folder / "a.h5", 55e3); });
+            return message_of<InputError>(
+                [&] { (void)read_machine_record(folder / "a.h5", 55e3); });
         };
         const auto put = [](const char* name, std::vector<double> numbers) {
             return [name, numbers](Hdf5File& file) {

@@ -461,7 +461,7 @@ TEST_SUITE("sensors/recordings_scenario") {
         CHECK(has(message_of<InputError>([&] { (void)read_recorded_test(own, 55e3, infos, {}); }),
                   "/sensors/1/accel: units: expected m/s2, in which it is read, found g"));
         testing::set_foreign_text(path, "/bench/force", "unit", "kN", ForeignText::padded);
-        CHECK(has(message_of<InputError>([&] { (void)read_machine(path, 55e3); }),
+        CHECK(has(message_of<InputError>([&] { (void)read_machine_record(path, 55e3); }),
                   "/bench/force: unit: expected N, in which it is read, found kN"));
     }
 
