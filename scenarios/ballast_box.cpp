@@ -5,8 +5,8 @@
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
-#include "engine/io/series.hpp"
 #include "engine/ranks.hpp"
 #include "engine/report.hpp"
 #include "engine/run.hpp"
@@ -70,8 +70,9 @@ void add_fouling(Report& summary, const World& world, const Common& common) {
 
 /// Largest difference between what the ballast carries and the loads and weights of the ties, over
 /// the largest of the latter: what their inertia takes. Small in a quasi-static run.
-double inertial_share(const Series& samples) {
-    const auto &load = samples.column("tie_load"), &support = samples.column("tie_support");
+double inertial_share(const SeriesOf<CycleSample>& samples) {
+    const auto &load = samples[&CycleSample::tie_load],
+               &support = samples[&CycleSample::tie_support];
     double most = 0;
     for (std::size_t k = 0; k < load.size(); ++k)
         most = std::max(most, std::abs(support[k] - load[k]));
@@ -106,24 +107,21 @@ void add_cycles(Report& summary, const BallastBox& box, const std::vector<CycleR
 
 void write_cycles(const std::filesystem::path& path, const BallastBox& box,
                   const std::vector<CycleResponse>& first) {
-    Series table("cycles", {{"cycle", ""},
-                            {"settlement", "m"},
-                            {"resilient_deflection", "m"},
-                            {"subgrade_deflection", "m"},
-                            {"contact_deflection", "m"},
-                            {"track_stiffness", "N/m"},
-                            {"loop_area", "J"}});
-    double n = 0;
+    std::vector<std::vector<double>> rows;
     for (const CycleResponse& c : first)
-        table.add({++n, c.settlement, c.resilient, c.of_subgrade, c.of_contacts,
-                   stiffness_of(c.resilient, box), c.loop_area});
-    table.write_csv(path);
+        rows.push_back({static_cast<double>(rows.size() + 1), c.settlement, c.resilient,
+                        c.of_subgrade, c.of_contacts, stiffness_of(c.resilient, box), c.loop_area});
+    write_csv(path,
+              {"cycle", "settlement_m", "resilient_deflection_m", "subgrade_deflection_m",
+               "contact_deflection_m", "track_stiffness_N_per_m", "loop_area_J"},
+              rows);
 }
 
-void draw(const World& world, const BallastBox& box, const Series& samples,
+void draw(const World& world, const BallastBox& box, const SeriesOf<CycleSample>& samples,
           const std::vector<CycleResponse>& first, const Common& common) {
     Curve loop{.label = "tie 1"}, settlement{.label = "tie 1"}, stiffness{.label = "tie 1"};
-    const auto &load = samples.column("load_1"), &deflection = samples.column("deflection_1");
+    const auto &load = samples[&CycleSample::load_1],
+               &deflection = samples[&CycleSample::deflection_1];
     for (std::size_t k = 0; k < load.size(); ++k) {
         loop.x.push_back(1e3 * deflection[k]);
         loop.y.push_back(1e-3 * load[k]);
@@ -206,8 +204,8 @@ void write_sensors(Report& summary, const World& world, const Common& common) {
                       "that at the end of the run"});
 }
 
-void summarise(Report& summary, const World& world, const BallastBox& box, const Series& samples,
-               const Common& common) {
+void summarise(Report& summary, const World& world, const BallastBox& box,
+               const SeriesOf<CycleSample>& samples, const Common& common) {
     const auto first = cycle_responses(samples, 1), other = cycle_responses(samples, 2);
     std::size_t rocks = 0;
     for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
@@ -220,12 +218,12 @@ void summarise(Report& summary, const World& world, const BallastBox& box, const
     if (world.has_resource<Fouling>()) add_fouling(summary, world, common);
     add_cycles(summary, box, first, other);
     summary.add("inertial_share_of_load", inertial_share(samples));
-    const auto &pressure = samples.column("bladder_pressure"),
-               &moved = samples.column("bladder_displacement");
+    const auto &pressure = samples[&CycleSample::bladder_pressure],
+               &moved = samples[&CycleSample::bladder_displacement];
     summary.add("bladder_pressure_largest_kPa", 1e-3 * std::ranges::max(pressure));
     summary.add("bladder_displacement_largest_mm", 1e3 * std::ranges::max(moved));
     summary.add("subgrade_settlement_largest_mm",
-                1e3 * std::ranges::max(samples.column("subgrade_settlement")));
+                1e3 * std::ranges::max(samples[&CycleSample::subgrade_settlement]));
     write_sensors(summary, world, common);
 }
 
@@ -251,7 +249,7 @@ void run(const BallastBox& box, const Common& common) {
     Simulation simulation = make_box_simulation(box, common);
     const World& world = simulation.world();
     BoxTestRun test(simulation, box, common.seed);
-    Series samples("box", cycle_columns());
+    SeriesOf<CycleSample> samples("box");
     LastQuantities last(simulation);
     Run run(simulation, common, "ballast_box");
     run.keep(samples);

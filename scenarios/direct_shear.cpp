@@ -2,6 +2,7 @@
 // and a plate keeps the normal stress while the ballast dilates. Several normal stresses and
 // several amounts of fines are tested on the same specimens.
 #include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/report.hpp"
 #include "engine/run.hpp"
@@ -102,7 +103,7 @@ public:
 
     const ShearTest& test() const { return test_; }
     std::string name() const { return name_of(test_); }
-    const Series& curve() const { return curve_; }
+    const SeriesOf<ShearSample>& curve() const { return curve_; }
     ShearProperties properties() const { return properties_of(curve_); }
 
     Report summary() const {
@@ -153,7 +154,7 @@ private:
     const ShearBox& box_;
     ShearTest test_;
     Simulation simulation_;
-    Series curve_{"shear", shear_columns()};
+    SeriesOf<ShearSample> curve_{"shear"};
     Common common_;
     std::unique_ptr<Run> run_;
     std::vector<View> views_;
@@ -213,27 +214,20 @@ void add_losses(Report& summary, const ShearBox& box, const Runs& runs) {
 }
 
 void write_table(const fs::path& path, const Runs& runs) {
-    Series table("tests", {{"normal_stress", "Pa"},
-                           {"vci", "%"},
-                           {"peak_shear_stress", "Pa"},
-                           {"peak_normal_stress", "Pa"},
-                           {"peak_friction_angle", "deg"},
-                           {"peak_displacement", "m"},
-                           {"residual_shear_stress", "Pa"},
-                           {"residual_friction_angle", "deg"},
-                           {"dilation", "m"},
-                           {"largest_dilation_angle", "deg"},
-                           {"shear_force_imbalance", ""},
-                           {"vertical_force_imbalance", ""},
-                           {"relative_energy_error", ""}});
+    std::vector<std::vector<double>> rows;
     for (const auto& run : runs) {
         const ShearProperties p = run->properties();
-        table.add({run->test().normal_stress, run->test().vci, p.peak_stress, p.peak_normal,
-                   p.peak_angle(), p.peak_displacement, p.residual_stress, p.residual_angle(),
-                   p.dilation, p.dilation_angle, p.shear_imbalance, p.normal_imbalance,
-                   p.energy_error});
+        rows.push_back({run->test().normal_stress, run->test().vci, p.peak_stress, p.peak_normal,
+                        p.peak_angle(), p.peak_displacement, p.residual_stress, p.residual_angle(),
+                        p.dilation, p.dilation_angle, p.shear_imbalance, p.normal_imbalance,
+                        p.energy_error});
     }
-    table.write_csv(path);
+    write_csv(path,
+              {"normal_stress_Pa", "vci_percent", "peak_shear_stress_Pa", "peak_normal_stress_Pa",
+               "peak_friction_angle_deg", "peak_displacement_m", "residual_shear_stress_Pa",
+               "residual_friction_angle_deg", "dilation_m", "largest_dilation_angle_deg",
+               "shear_force_imbalance", "vertical_force_imbalance", "relative_energy_error"},
+              rows);
 }
 
 void draw(const ShearBox& box, const Runs& runs, const Common& common) {
@@ -248,11 +242,11 @@ void draw(const ShearBox& box, const Runs& runs, const Common& common) {
     for (const auto& run : runs) {
         const auto& t = run->test();
         Curve a{.label = fmt::format("{:g} kPa, VCI {:g} %", 1e-3 * t.normal_stress, t.vci)}, b;
-        const Series& c = run->curve();
+        const auto& c = run->curve();
         for (std::size_t k = 0; k < c.rows(); ++k) {
-            a.x.push_back(1e3 * c.column("displacement")[k]);
-            a.y.push_back(1e-3 * c.column("shear_stress")[k]);
-            b.y.push_back(1e3 * c.column("dilation")[k]);
+            a.x.push_back(1e3 * c[&ShearSample::displacement][k]);
+            a.y.push_back(1e-3 * c[&ShearSample::shear_stress][k]);
+            b.y.push_back(1e3 * c[&ShearSample::dilation][k]);
         }
         b.x = a.x;
         b.label = a.label;

@@ -119,16 +119,22 @@ Zones zones_of(const World& world, std::uint32_t material) {
     return n;
 }
 
-BulkCase make_case(const DrumTest& t, std::uint64_t seed) {
-    BulkCase c{.world = make_world_of(t, seed),
-               .columns = {{"zone1_m1", ""},
-                           {"zone1_m2", ""},
-                           {"zone2_m1", ""},
-                           {"zone2_m2", ""},
-                           {"m1_x", "m"},
-                           {"m1_z", "m"},
-                           {"m2_x", "m"},
-                           {"m2_z", "m"}}};
+struct DrumSample {
+    double time, zone1_m1, zone1_m2, zone2_m1, zone2_m2, m1_x, m1_z, m2_x, m2_z;
+    static constexpr auto columns() {
+        using S = DrumSample;
+        return std::array{
+            Sampled{&S::time, "time", "s"},        Sampled{&S::zone1_m1, "zone1_m1", ""},
+            Sampled{&S::zone1_m2, "zone1_m2", ""}, Sampled{&S::zone2_m1, "zone2_m1", ""},
+            Sampled{&S::zone2_m2, "zone2_m2", ""}, Sampled{&S::m1_x, "m1_x", "m"},
+            Sampled{&S::m1_z, "m1_z", "m"},        Sampled{&S::m2_x, "m2_x", "m"},
+            Sampled{&S::m2_z, "m2_z", "m"}};
+    }
+};
+using DrumCurve = SeriesOf<DrumSample>;
+
+BulkCase make_case(const DrumTest& t, std::uint64_t seed, DrumCurve& curve) {
+    BulkCase c{.world = make_world_of(t, seed), .curve = curve};
     const Vec3 angular_velocity(0, -t.speed, 0);
     c.begin = [=](World& world) {
         const Row row = row_of_body(world, drum_body);
@@ -136,13 +142,20 @@ BulkCase make_case(const DrumTest& t, std::uint64_t seed) {
             world.column<Bodies, StepAngularVelocity>()[row] = angular_velocity;
         show_velocities(world);
     };
-    c.sample = [](World& world, Series& series) {
+    c.sample = [&curve](World& world) {
         const Zones m1 = zones_of(world, 0), m2 = zones_of(world, 1);
-        series.add({world.resource<Clock>().time(), m1.first, m2.first, m1.second, m2.second, m1.x,
-                    m1.z, m2.x, m2.z});
+        curve.add({.time = world.resource<Clock>().time(),
+                   .zone1_m1 = m1.first,
+                   .zone1_m2 = m2.first,
+                   .zone2_m1 = m1.second,
+                   .zone2_m2 = m2.second,
+                   .m1_x = m1.x,
+                   .m1_z = m1.z,
+                   .m2_x = m2.x,
+                   .m2_z = m2.z});
     };
-    c.description = [](const Series& series) {
-        return fmt::format("{:.0f} spheres of M1 in zone 2", series.column("zone2_m1").back());
+    c.description = [&curve] {
+        return fmt::format("{:.0f} spheres of M1 in zone 2", curve[&DrumSample::zone2_m1].back());
     };
     c.colour = [](const World& world, Row row) {
         return world.column<Bodies, MaterialOf>()[row] == 0 ? Colour{230, 160, 40}
@@ -174,9 +187,9 @@ std::vector<Turn> turning_points(const std::vector<double>& time, const std::vec
     return turns;
 }
 
-void report(const DrumTest& t, BulkRun& run) {
-    const Series& series = run.series();
-    const auto &time = series.column("time"), &zone2 = series.column("zone2_m1");
+void report(const DrumTest& t, BulkRun& run, const DrumCurve& curve) {
+    using S = DrumSample;
+    const auto &time = curve[&S::time], &zone2 = curve[&S::zone2_m1];
     Report summary;
     const auto turns = turning_points(time, zone2, 0.05 * t.small_spheres);
     // The spheres in zone 2 at the start rise with the wall a little and return as the first peak.
@@ -201,14 +214,16 @@ void report(const DrumTest& t, BulkRun& run) {
         summary.add(fmt::format("error_of_zone2_m1_{}", mark.name),
                     (mark.trough ? turn.time : turn.value) / mark.reference - 1);
     }
-    for (const char* column : {"zone1_m1", "zone1_m2", "zone2_m1", "zone2_m2"})
-        summary.add(fmt::format("{}_at_end", column), series.column(column).back());
+    summary.add("zone1_m1_at_end", curve[&S::zone1_m1].back());
+    summary.add("zone1_m2_at_end", curve[&S::zone1_m2].back());
+    summary.add("zone2_m1_at_end", curve[&S::zone2_m1].back());
+    summary.add("zone2_m2_at_end", curve[&S::zone2_m2].back());
     summary.show({"zone1_m1_at_end", "zone1_m2_at_end", "zone2_m1_at_end", "zone2_m2_at_end"});
     summary.add("contact_time_over_step",
                 hertz_contact_time(t.small_radius, 2500, t.bulk.bed.stiffness * 1e9, 1) /
                     t.bulk.bed.step);
-    std::vector<Curve> second{series.curve("zone2_m1", "M1"), series.curve("zone2_m2", "M2")};
-    for (const Curve& curve : run.reference()) second.push_back(curve);
+    std::vector<Curve> second{curve.curve(&S::zone2_m1, "M1"), curve.curve(&S::zone2_m2, "M2")};
+    for (const Curve& reference : run.reference()) second.push_back(reference);
     run.report(summary,
                {{.title = "x < 0, z < 0 (zone 2)",
                  .x_label = "time (s)",
@@ -217,7 +232,7 @@ void report(const DrumTest& t, BulkRun& run) {
                 {.title = "x > 0, z > 0 (zone 1)",
                  .x_label = "time (s)",
                  .y_label = "spheres",
-                 .curves = {series.curve("zone1_m1", "M1"), series.curve("zone1_m2", "M2")}}});
+                 .curves = {curve.curve(&S::zone1_m1, "M1"), curve.curve(&S::zone1_m2, "M2")}}});
 }
 
 void check_options(const DrumTest& t, const Common& common) {
@@ -227,11 +242,14 @@ void check_options(const DrumTest& t, const Common& common) {
 }
 
 void run(const DrumTest& t, const Common& common) {
-    run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
+    DrumCurve curve("curve");
+    run_bulk(common, t.bulk, make_case(t, common.seed, curve),
+             [&](BulkRun& bulk) { report(t, bulk, curve); });
 }
 
 std::string explain(const DrumTest& t, const Common& common) {
-    return start_case(make_case(t, common.seed).world, common).schedule().explain();
+    DrumCurve curve("curve");
+    return start_case(make_case(t, common.seed, curve).world, common).schedule().explain();
 }
 
 } // namespace

@@ -138,24 +138,35 @@ struct BedHeight {
     void load(const Archive& archive) { get_fields(archive, "bed_height", std::tie(mean, top)); }
 };
 
-BulkCase make_case(const ImpactTest& t, std::uint64_t seed) {
-    BulkCase c{.world = make_world_of(t, seed),
-               .columns = {{"displacement", "m"}, {"velocity", "m/s"}}};
+struct BallSample {
+    double time, displacement, velocity;
+    static constexpr auto columns() {
+        using S = BallSample;
+        return std::array{Sampled{&S::time, "time", "s"},
+                          Sampled{&S::displacement, "displacement", "m"},
+                          Sampled{&S::velocity, "velocity", "m/s"}};
+    }
+};
+using BallCurve = SeriesOf<BallSample>;
+
+BulkCase make_case(const ImpactTest& t, std::uint64_t seed, BallCurve& curve) {
+    BulkCase c{.world = make_world_of(t, seed), .curve = curve};
     c.world.add_resource<BedHeight>();
     c.begin = [=](World& world) {
         world.resource<BedHeight>() = {bed_height(world),
                                        surface(world, t.ball_diameter / 2) - box_floor};
         let_go(world, t);
     };
-    c.sample = [](World& world, Series& series) {
+    c.sample = [&curve](World& world) {
         const Row row = row_of_body(world, ball);
         const Clock& clock = world.resource<Clock>();
-        series.add({clock.time(), world.column<Bodies, Position>()[row].z() - drop,
-                    world.column<Bodies, Velocity>()[row].z() +
-                        0.5 * clock.dt * world.column<Bodies, Acceleration>()[row].z()});
+        curve.add({.time = clock.time(),
+                   .displacement = world.column<Bodies, Position>()[row].z() - drop,
+                   .velocity = world.column<Bodies, Velocity>()[row].z() +
+                               0.5 * clock.dt * world.column<Bodies, Acceleration>()[row].z()});
     };
-    c.description = [](const Series& series) {
-        return fmt::format("ball at {:.4f} m", series.column("displacement").back());
+    c.description = [&curve] {
+        return fmt::format("ball at {:.4f} m", curve[&BallSample::displacement].back());
     };
     c.colour = [](const World& world, Row row) {
         if (world.column<Bodies, BodyId>()[row] == ball) return Colour{90, 90, 90};
@@ -188,9 +199,9 @@ const std::array<Reference, 3> references{{
       -0.090488}},
 }};
 
-void report(const ImpactTest& t, BulkRun& run) {
-    const Series& series = run.series();
-    const auto &time = series.column("time"), &depth = series.column("displacement");
+void report(const ImpactTest& t, BulkRun& run, const BallCurve& curve) {
+    using S = BallSample;
+    const auto &time = curve[&S::time], &depth = curve[&S::displacement];
     const auto least = std::ranges::min_element(depth);
     const BedHeight& height = run.world().resource<BedHeight>();
     Report summary;
@@ -198,7 +209,7 @@ void report(const ImpactTest& t, BulkRun& run) {
     summary.add("time_of_least_displacement_s",
                 time[static_cast<std::size_t>(least - depth.begin())]);
     summary.add("final_displacement_m", depth.back());
-    summary.add("final_speed_m_per_s", std::abs(series.column("velocity").back()));
+    summary.add("final_speed_m_per_s", std::abs(curve[&S::velocity].back()));
     summary.show({"least_displacement_m", "final_displacement_m", "final_speed_m_per_s"});
     summary.add("bed_mean_height_m", height.mean);
     summary.add("bed_height_below_ball_m", height.top);
@@ -209,7 +220,7 @@ void report(const ImpactTest& t, BulkRun& run) {
     summary.add("contact_time_over_step",
                 hertz_contact_time(t.diameter / 2, 2500, t.bulk.bed.stiffness * 1e9, 1) /
                     t.bulk.bed.step);
-    std::vector<Curve> curves{series.curve("displacement", fmt::format("{} spheres", t.spheres))};
+    std::vector<Curve> curves{curve.curve(&S::displacement, fmt::format("{} spheres", t.spheres))};
     for (const Reference& r : references) {
         if (r.spheres != t.spheres || t.diameter != 0.002) continue;
         summary.add("reference_least_displacement_liggghts_m", r.liggghts);
@@ -222,12 +233,12 @@ void report(const ImpactTest& t, BulkRun& run) {
                               .y = r.displacement,
                               .style = Curve::Style::points});
     }
-    for (const Curve& curve : run.reference()) curves.push_back(curve);
+    for (const Curve& reference : run.reference()) curves.push_back(reference);
     run.report(summary, {{.title = "Displacement of the ball",
                           .x_label = "time (s)",
                           .y_label = "vertical displacement (m)",
                           .curves = curves},
-                         series.plot("velocity", "Vertical velocity of the ball")});
+                         curve.plot(&S::velocity, "Vertical velocity of the ball")});
 }
 
 void check_options(const ImpactTest& t, const Common& common) {
@@ -236,11 +247,14 @@ void check_options(const ImpactTest& t, const Common& common) {
 }
 
 void run(const ImpactTest& t, const Common& common) {
-    run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
+    BallCurve curve("curve");
+    run_bulk(common, t.bulk, make_case(t, common.seed, curve),
+             [&](BulkRun& bulk) { report(t, bulk, curve); });
 }
 
 std::string explain(const ImpactTest& t, const Common& common) {
-    return start_case(make_case(t, common.seed).world, common).schedule().explain();
+    BallCurve curve("curve");
+    return start_case(make_case(t, common.seed, curve).world, common).schedule().explain();
 }
 
 } // namespace

@@ -60,11 +60,27 @@ Simulation make_simulation(const Settle& settings, const Common& common) {
     return simulation;
 }
 
-void draw(const World& world, const Series& motion, const Common& common) {
-    Plot energy = motion.plot("kinetic_energy", "Decay of the motion");
+struct MotionSample {
+    double time, kinetic_energy, elastic_energy, floor_force_over_weight, coordination,
+        unbalanced_ratio, stable_step;
+    static constexpr auto columns() {
+        using S = MotionSample;
+        return std::array{Sampled{&S::time, "time", "s"},
+                          Sampled{&S::kinetic_energy, "kinetic_energy", "J"},
+                          Sampled{&S::elastic_energy, "elastic_energy", "J"},
+                          Sampled{&S::floor_force_over_weight, "floor_force_over_weight", ""},
+                          Sampled{&S::coordination, "coordination", ""},
+                          Sampled{&S::unbalanced_ratio, "unbalanced_ratio", ""},
+                          Sampled{&S::stable_step, "stable_step", "s"}};
+    }
+};
+
+void draw(const World& world, const SeriesOf<MotionSample>& motion, const Common& common) {
+    Plot energy = motion.plot(&MotionSample::kinetic_energy, "Decay of the motion");
     energy.y_logarithmic = true;
     draw_plots(common.out / "settle_history.png",
-               {energy, motion.plot("floor_force_over_weight", "Weight carried by the floor")});
+               {energy, motion.plot(&MotionSample::floor_force_over_weight,
+                                    "Weight carried by the floor")});
     View view = view_by_coordination(world);
     view.caption = fmt::format("{} spheres after {:.3g} s. Blue to yellow: 0 to 8 contacts.",
                                view.balls.size(), world.resource<Clock>().time());
@@ -80,13 +96,7 @@ void run(const Settle& settings, const Common& common) {
     const World& world = simulation.world();
     const std::uint64_t total = steps_of(settings.duration, settings.bed.step, "duration"),
                         sample_every = std::max<std::uint64_t>(1, total / samples);
-    Series motion("motion", {{"time", "s"},
-                             {"kinetic_energy", "J"},
-                             {"elastic_energy", "J"},
-                             {"floor_force_over_weight", ""},
-                             {"coordination", ""},
-                             {"unbalanced_ratio", ""},
-                             {"stable_step", "s"}});
+    SeriesOf<MotionSample> motion("motion");
     Run run(simulation, common, "settle");
     LastQuantities last(simulation);
     run.keep(motion);
@@ -102,8 +112,13 @@ void run(const Settle& settings, const Common& common) {
         const double stable = checked_stable_step(world);
         const Quantities& q = last.quantities();
         coordination = q.coordination;
-        motion.add({world.resource<Clock>().time(), q.kinetic_energy, q.elastic_energy,
-                    q.boundary_force_over_weight(), q.coordination, q.unbalanced_ratio, stable});
+        motion.add({.time = world.resource<Clock>().time(),
+                    .kinetic_energy = q.kinetic_energy,
+                    .elastic_energy = q.elastic_energy,
+                    .floor_force_over_weight = q.boundary_force_over_weight(),
+                    .coordination = q.coordination,
+                    .unbalanced_ratio = q.unbalanced_ratio,
+                    .stable_step = stable});
         if (step % (samples_per_frame * sample_every) == 0 || step == total) frames.add(world);
         return true;
     };

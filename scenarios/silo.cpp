@@ -138,28 +138,39 @@ Counted count(const World& world, double lip) {
     return c;
 }
 
-BulkCase make_case(const SiloTest& t, std::uint64_t seed) {
-    BulkCase c{.world = make_world_of(t, seed),
-               .columns = {{"above", ""}, {"out", ""}, {"in_scene", ""}}};
+struct SiloSample {
+    double time, above, out, in_scene; ///< s; numbers of spheres
+    static constexpr auto columns() {
+        using S = SiloSample;
+        return std::array{Sampled{&S::time, "time", "s"}, Sampled{&S::above, "above", ""},
+                          Sampled{&S::out, "out", ""}, Sampled{&S::in_scene, "in_scene", ""}};
+    }
+};
+using SiloCurve = SeriesOf<SiloSample>;
+
+BulkCase make_case(const SiloTest& t, std::uint64_t seed, SiloCurve& curve) {
+    BulkCase c{.world = make_world_of(t, seed), .curve = curve};
     const double lip = silo_of(t).lip, all = t.spheres;
     constexpr EntityId plate = 1;
     c.begin = [=](World& world) { take_away(world, plate, Vec3(0, 0, -10)); };
-    c.sample = [=](World& world, Series& series) {
+    c.sample = [=, &curve](World& world) {
         const Counted now = count(world, lip);
         auto& outflow = world.resource<Outflow>();
         if (now.above + now.below + outflow.retired != all)
             throw SimulationError(fmt::format(
                 "silo: expected {} spheres, found {} above the lip, {} below and {} retired", all,
                 now.above, now.below, outflow.retired));
-        series.add({world.resource<Clock>().time(), now.above, now.below + outflow.retired,
-                    now.above + now.below});
+        curve.add({.time = world.resource<Clock>().time(),
+                   .above = now.above,
+                   .out = now.below + outflow.retired,
+                   .in_scene = now.above + now.below});
         if (now.gone.empty()) return;
         outflow.retired += static_cast<double>(now.gone.size());
         (void)retire_bodies(world, now.gone); // wall and plate come first and keep their ids
     };
     c.is_over = [=](const World& world) { return count(world, lip).above == 0; };
-    c.description = [](const Series& series) {
-        return fmt::format("{:.0f} spheres above the lip", series.column("above").back());
+    c.description = [&curve] {
+        return fmt::format("{:.0f} spheres above the lip", curve[&SiloSample::above].back());
     };
     c.colour = [](const World& world, Row row) {
         return scale_colour(std::min(1.0, world.column<Bodies, Velocity>()[row].norm() / 0.15));
@@ -183,8 +194,8 @@ double beverloo_rate(const SiloTest& t, double orifice_radius) {
     return 0.58 * 0.6 / volume * std::sqrt(9.81) * std::pow(open, 2.5);
 }
 
-void add_rates(Report& summary, const SiloTest& t, const Series& series) {
-    const auto &time = series.column("time"), &above = series.column("above");
+void add_rates(Report& summary, const SiloTest& t, const SiloCurve& curve) {
+    const auto &time = curve[&SiloSample::time], &above = curve[&SiloSample::above];
     // leave out the last spheres, which have no head of grains above them
     const auto last =
         std::ranges::find_if(above, [&](double n) { return n < 0.02 * t.spheres; }) - above.begin();
@@ -220,12 +231,11 @@ void add_rates(Report& summary, const SiloTest& t, const Series& series) {
     }
 }
 
-void report(const SiloTest& t, BulkRun& run) {
-    const Series& series = run.series();
-    const auto &time = series.column("time"), &above = series.column("above"),
-               &out = series.column("out");
+void report(const SiloTest& t, BulkRun& run, const SiloCurve& curve) {
+    using S = SiloSample;
+    const auto &time = curve[&S::time], &above = curve[&S::above], &out = curve[&S::out];
     Report summary;
-    add_rates(summary, t, series);
+    add_rates(summary, t, curve);
     const auto almost = std::ranges::find_if(above, [&](double n) { return n < 0.01 * t.spheres; });
     summary.add("time_to_one_percent_left_s",
                 almost == above.end() ? std::numeric_limits<double>::quiet_NaN()
@@ -238,13 +248,13 @@ void report(const SiloTest& t, BulkRun& run) {
                                    t.bulk.bed.stiffness * (t.material == "M1" ? 1e9 : 0.5e9), 1) /
                     t.bulk.bed.step);
     std::vector<Curve> curves{
-        series.curve("above", fmt::format("{} orifice, {}", t.orifice, t.material))};
+        curve.curve(&S::above, fmt::format("{} orifice, {}", t.orifice, t.material))};
     if (t.orifice == "large" && t.material == "M1" && t.spheres == 100000)
         curves.push_back({.label = "LIGGGHTS",
                           .x = reference_time,
                           .y = reference_above,
                           .style = Curve::Style::points});
-    for (const Curve& curve : run.reference()) curves.push_back(curve);
+    for (const Curve& reference : run.reference()) curves.push_back(reference);
     std::vector<double> middle, rate;
     for (std::size_t k = 5; k < time.size(); k += 5) {
         middle.push_back(0.5 * (time[k] + time[k - 5]));
@@ -268,11 +278,14 @@ void check_options(const SiloTest& t, const Common& common) {
 }
 
 void run(const SiloTest& t, const Common& common) {
-    run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
+    SiloCurve curve("curve");
+    run_bulk(common, t.bulk, make_case(t, common.seed, curve),
+             [&](BulkRun& bulk) { report(t, bulk, curve); });
 }
 
 std::string explain(const SiloTest& t, const Common& common) {
-    return start_case(make_case(t, common.seed).world, common).schedule().explain();
+    SiloCurve curve("curve");
+    return start_case(make_case(t, common.seed, curve).world, common).schedule().explain();
 }
 
 } // namespace

@@ -74,18 +74,18 @@ public:
         std::erase_if(view.balls, [](const DrawnBall& ball) { return ball.centre.z() < -0.1; });
         std::erase_if(view.quads, [](const auto& quad) { return quad[0].z() > 0.9; });
         view.caption = fmt::format("{}, {:.1f} mm", name_of(test_),
-                                   1e3 * curve_.column("displacement").back());
+                                   1e3 * curve_[&PushSample::displacement].back());
         draw_picture(common_.out / "bed.png", {&view, 1}, {.azimuth = -1.2, .elevation = 0.3});
         write_results(common_, summary());
     }
 
     const TieTest& test() const { return test_; }
     std::string name() const { return name_of(test_); }
-    const Series& curve() const { return curve_; }
+    const SeriesOf<PushSample>& curve() const { return curve_; }
 
     /// Mean of a column over a tenth of a millimetre or more around a displacement (m).
-    double near(const char* column, double displacement) const {
-        const auto &x = curve_.column("displacement"), &y = curve_.column(column);
+    double near(double PushSample::*number, double displacement) const {
+        const auto &x = curve_[&PushSample::displacement], &y = curve_[number];
         const double reach = std::max(0.25e-3, 1.1 * bed_.interval);
         double sum = 0, count = 0;
         for (std::size_t k = 0; k < x.size(); ++k)
@@ -98,24 +98,24 @@ public:
         Report s;
         for (const double mark : marks) {
             if (mark > bed_.displacement * (1 + 1e-9)) continue;
-            const double force = near("force", mark);
+            const double force = near(&PushSample::force, mark);
             const std::string at = fmt::format("_at_{:g}_mm", 1e3 * mark);
             s.add("force" + at + "_N", force);
-            s.add("base_share" + at, near("base_force", mark) / force);
-            s.add("crib_share" + at, near("crib_force", mark) / force);
-            s.add("end_share" + at, near("end_force", mark) / force);
-            s.add("lift" + at + "_m", near("lift", mark));
+            s.add("base_share" + at, near(&PushSample::base_force, mark) / force);
+            s.add("crib_share" + at, near(&PushSample::crib_force, mark) / force);
+            s.add("end_share" + at, near(&PushSample::end_force, mark) / force);
+            s.add("lift" + at + "_m", near(&PushSample::lift, mark));
             s.show({"force" + at + "_N"});
         }
-        const auto& force = curve_.column("force");
+        const auto& force = curve_[&PushSample::force];
         const auto peak = std::ranges::max_element(force) - force.begin();
         s.add("largest_force_N", force[static_cast<std::size_t>(peak)]);
         s.add("largest_force_displacement_m",
-              curve_.column("displacement")[static_cast<std::size_t>(peak)]);
-        s.add("largest_unbalanced_ratio", std::ranges::max(curve_.column("unbalanced_ratio")));
+              curve_[&PushSample::displacement][static_cast<std::size_t>(peak)]);
+        s.add("largest_unbalanced_ratio", std::ranges::max(curve_[&PushSample::unbalanced_ratio]));
         // at rest the ballast carries the tie
         s.add("support_over_weight_at_start",
-              curve_.column("support").front() / (9.81 * bed_.tie_mass));
+              curve_[&PushSample::support].front() / (9.81 * bed_.tie_mass));
         s.add("time_step_s", world.resource<Clock>().dt);
         if (test_.vci > 0 || bed_.fouling.any()) add_fouling_results(s, world);
         run_->add_to_summary(s);
@@ -128,7 +128,7 @@ private:
     const TieBed& bed_;
     TieTest test_;
     Simulation simulation_;
-    Series curve_{"push", push_columns()};
+    SeriesOf<PushSample> curve_{"push"};
     Common common_;
     std::unique_ptr<Run> run_;
 };
@@ -139,7 +139,7 @@ using Runs = std::vector<std::unique_ptr<PushRun>>;
 void add_losses(Report& summary, const Runs& runs, const TieBed& bed) {
     for (const double mark : marks) {
         if (mark > bed.displacement * (1 + 1e-9)) continue;
-        const auto force = [&](const PushRun& r) { return r.near("force", mark); };
+        const auto force = [&](const PushRun& r) { return r.near(&PushSample::force, mark); };
         for (const auto& run : runs)
             for (const auto& other : runs) {
                 const TieTest &a = run->test(), &b = other->test();
@@ -163,17 +163,18 @@ void draw(const Runs& runs, const Common& common) {
         shares{.title = fmt::format("Parts of the force, {}", name_of(runs.front()->test())),
                .x_label = "displacement (mm)",
                .y_label = "force (kN)"};
-    const auto curve = [](const PushRun& run, const char* column, const std::string& label) {
-        Curve c{.label = label};
-        for (std::size_t k = 0; k < run.curve().rows(); ++k) {
-            c.x.push_back(1e3 * run.curve().column("displacement")[k]);
-            c.y.push_back(1e-3 * run.curve().column(column)[k]);
-        }
+    const auto curve = [](const PushRun& run, double PushSample::*number,
+                          const std::string& label) {
+        Curve c = run.curve().curve(number, label); // over the displacement, the first column
+        for (double& x : c.x) x *= 1e3;
+        for (double& y : c.y) y *= 1e-3;
         return c;
     };
-    for (const auto& run : runs) force.curves.push_back(curve(*run, "force", name_of(run->test())));
-    for (const char* part : {"base", "crib", "end"})
-        shares.curves.push_back(curve(*runs.front(), fmt::format("{}_force", part).c_str(), part));
+    for (const auto& run : runs)
+        force.curves.push_back(curve(*run, &PushSample::force, name_of(run->test())));
+    shares.curves = {curve(*runs.front(), &PushSample::base_force, "base"),
+                     curve(*runs.front(), &PushSample::crib_force, "crib"),
+                     curve(*runs.front(), &PushSample::end_force, "end")};
     draw_plots(common.out / "tie_push.png", {force, shares});
 }
 

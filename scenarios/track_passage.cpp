@@ -98,10 +98,11 @@ Curve vertical_of(const Recording& recording, const std::string& name) {
     return curve;
 }
 
-void draw(const Series& samples, const World& world, const std::vector<Recording>& last,
-          const Common& common) {
-    const auto &passage = samples.column("passage"), &time = samples.column("time"),
-               &load = samples.column("load"), &deflection = samples.column("deflection");
+void draw(const SeriesOf<PassageSample>& samples, const World& world,
+          const std::vector<Recording>& last, const Common& common) {
+    const auto &passage = samples[&PassageSample::passage], &time = samples[&PassageSample::time],
+               &load = samples[&PassageSample::load],
+               &deflection = samples[&PassageSample::deflection];
     std::vector<Curve> loads, deflections, vertical, spectra;
     for (std::size_t k = 0; k < passage.size(); ++k) {
         if (k == 0 || passage[k] != passage[k - 1]) {
@@ -145,8 +146,9 @@ void draw(const Series& samples, const World& world, const std::vector<Recording
     draw_box(world, common.out / "bay.png", "A bay of track. Red: sensor rocks.");
 }
 
-void summarise(Report& summary, const TrackPassage& t, const Train& train, const Series& samples,
-               const World& world, const std::vector<Recording>& recordings, LastQuantities& last) {
+void summarise(Report& summary, const TrackPassage& t, const Train& train,
+               const SeriesOf<PassageSample>& samples, const World& world,
+               const std::vector<Recording>& recordings, LastQuantities& last) {
     std::size_t rocks = 0;
     for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
     summary.add("rocks", rocks);
@@ -191,7 +193,7 @@ void run(const TrackPassage& t, const Common& common) {
     Simulation simulation = make_box_simulation(t.box, common);
     const World& world = simulation.world();
     BoxTestRun test(simulation, t.box, common.seed);
-    Series samples("passages", passage_columns());
+    SeriesOf<PassageSample> samples("passages");
     LastQuantities last(simulation);
     Run run(simulation, common, "track_passage");
     run.keep(samples);

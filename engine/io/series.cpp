@@ -7,46 +7,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <stdexcept>
 
 namespace bris {
 
-Series::Series(std::string name, std::vector<RunFile::Column> columns)
-    : name_(std::move(name)), columns_(std::move(columns)), values_(columns_.size()) {}
-
-void Series::add(std::initializer_list<double> row) {
-    if (row.size() != columns_.size())
-        throw std::logic_error(fmt::format("series {}: {} numbers for {} columns", name_,
-                                           row.size(), columns_.size()));
-    std::size_t k = 0;
-    for (const double value : row) values_[k++].push_back(value);
-}
-
-std::size_t Series::index_of(const std::string& name) const {
-    const auto found = std::ranges::find(columns_, name, &RunFile::Column::name);
-    if (found == columns_.end())
-        throw std::logic_error(fmt::format("series {} has no column {}", name_, name));
-    return static_cast<std::size_t>(found - columns_.begin());
-}
-
-const std::vector<double>& Series::column(const std::string& name) const {
-    return values_[index_of(name)];
-}
-
-Curve Series::curve(const std::string& column, const std::string& label) const {
-    return {.label = label, .x = values_.front(), .y = this->column(column)};
-}
-
-Plot Series::plot(const std::string& column, const std::string& title) const {
-    const auto axis = [](const RunFile::Column& c) {
-        std::string text = c.name;
-        std::ranges::replace(text, '_', ' ');
-        return c.unit.empty() ? text : fmt::format("{} ({})", text, c.unit);
-    };
-    return {.title = title,
-            .x_label = axis(columns_.front()),
-            .y_label = axis(columns_[index_of(column)]),
-            .curves = {curve(column)}};
+std::string Series::axis_label(const RunFile::Column& column) {
+    std::string text = column.name;
+    std::ranges::replace(text, '_', ' ');
+    return column.unit.empty() ? text : fmt::format("{} ({})", text, column.unit);
 }
 
 void Series::save(Archive& archive) const {

@@ -4,28 +4,18 @@
 #include "engine/io/plot.hpp"
 #include "engine/io/run_file.hpp"
 
+#include <cstddef>
 #include <filesystem>
-#include <initializer_list>
 #include <string>
 #include <vector>
 
 namespace bris {
 
-/// A time series sampled during a run, written as a track of the run file, as a CSV file and as
-/// curves of a plot. It can be kept in a checkpoint beside the State of the world, under
-/// "series/NAME/".
+/// Samples of a run in rows of numbers, written as a track of the run file and as a CSV file. They
+/// can be kept in a checkpoint beside the State of the world, under "series/NAME/".
 class Series {
 public:
-    Series(std::string name, std::vector<RunFile::Column> columns);
-
-    void add(std::initializer_list<double> row); ///< one number per column
     std::size_t rows() const { return values_.front().size(); }
-    const std::vector<double>& column(const std::string& name) const;
-
-    /// A column over the first one, which is the time as a rule.
-    Curve curve(const std::string& column, const std::string& label = "") const;
-    /// The same as a panel, whose axes are labelled with the names and units of the columns.
-    Plot plot(const std::string& column, const std::string& title = "") const;
 
     void save(Archive& archive) const;
     void load(const Archive& archive); ///< throws InputError if it is missing
@@ -34,11 +24,63 @@ public:
     /// Writes all rows as /tracks/NAME. At most once per file.
     void write_track(RunFile& file) const;
 
-private:
-    std::size_t index_of(const std::string& name) const;
+protected:
+    explicit Series(std::string name) : name_(std::move(name)) {}
+    /// Name and unit of a column at an axis, as "kinetic energy (J)".
+    static std::string axis_label(const RunFile::Column& column);
+
     std::string name_;
     std::vector<RunFile::Column> columns_;
     std::vector<std::vector<double>> values_; // per column
+};
+
+/// A column of a series: a number of its samples.
+template <class Sample>
+struct Sampled {
+    double Sample::*value;
+    const char *name, *unit;
+};
+
+/// A series of samples of one type: a struct of numbers in SI units, whose function `columns()`
+/// returns an array of Sampled. Each number of the struct is listed there, in its order.
+template <class Sample>
+class SeriesOf : public Series {
+public:
+    explicit SeriesOf(std::string name) : Series(std::move(name)) {
+        static_assert(sizeof(Sample) == columns.size() * sizeof(double), "a number has no column");
+        for (const auto& c : columns) columns_.push_back({c.name, c.unit});
+        values_.resize(columns.size());
+    }
+
+    void add(const Sample& sample) {
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            values_[k].push_back(sample.*columns[k].value);
+    }
+
+    const std::vector<double>& operator[](double Sample::*number) const {
+        return values_[place_of(number)];
+    }
+
+    /// A column over the first one, which is the time as a rule.
+    Curve curve(double Sample::*number, const std::string& label = "") const {
+        return {.label = label, .x = values_.front(), .y = (*this)[number]};
+    }
+    /// The same as a panel, whose axes are labelled with the names and units of the columns.
+    Plot plot(double Sample::*number, const std::string& title = "") const {
+        return {.title = title,
+                .x_label = axis_label(columns_.front()),
+                .y_label = axis_label(columns_[place_of(number)]),
+                .curves = {curve(number)}};
+    }
+
+private:
+    static constexpr auto columns = Sample::columns();
+
+    static std::size_t place_of(double Sample::*number) {
+        std::size_t k = 0;
+        while (columns[k].value != number) ++k;
+        return k;
+    }
 };
 
 } // namespace bris

@@ -1,6 +1,7 @@
 #include "engine/signal/imu.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/signal/attitude.hpp"
 
 #include <string>
 

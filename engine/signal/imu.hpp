@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/archive.hpp"
-#include "engine/estimation/inertial_filter.hpp"
+#include "engine/math.hpp"
 #include "engine/random.hpp"
 #include "engine/signal/true_motion.hpp"
 
@@ -12,6 +12,13 @@
 #include <vector>
 
 namespace bris {
+
+/// Noise densities of an inertial sensor: white noise of its samples, and of the random walk of its
+/// biases.
+struct InertialNoise {
+    double force = 0, rate = 0;                     ///< m/s2/sqrt(Hz), rad/s/sqrt(Hz)
+    double force_bias_walk = 0, rate_bias_walk = 0; ///< m/s3/sqrt(Hz), rad/s2/sqrt(Hz)
+};
 
 /// Specification of an inertial sensor: three accelerometers and three gyroscopes. Noise densities
 /// are those of the mean over a time T, whose standard deviation is density / sqrt(T).

@@ -179,7 +179,7 @@ void BoxTestRun::begin_loading(Simulation& simulation) const {
     }
 }
 
-void BoxTestRun::add_sample(const World& world, Series& cycles) const {
+void BoxTestRun::add_sample(const World& world, SeriesOf<CycleSample>& cycles) const {
     const auto& bodies = world.resource<BoxBodies>();
     const double now = since(world);
     const auto& loads = world.resource<Loads>().of_body;
@@ -200,16 +200,26 @@ void BoxTestRun::add_sample(const World& world, Series& cycles) const {
     const Quantities q = compute_quantities(world);
     const auto& state = world.resource<BoxState>();
     const BoxBalance balance = box_balance(world);
-    cycles.add({now / (static_cast<double>(steps_per_cycle()) * world.resource<Clock>().dt), now,
-                load(first), load(second), state.tie_1 - position(bodies.ties[first]).z(),
-                state.tie_2 - position(bodies.ties[second]).z(),
-                on_bladder / (sizes_.width * sizes_.bladder_height),
-                position(bodies.bladder).y() - state.bladder, -subgrade - 0.025, balance.tie_load,
-                balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio,
-                subgrade_energy, q.elastic_energy - q.element_energy});
+    const double period = static_cast<double>(steps_per_cycle()) * world.resource<Clock>().dt;
+    cycles.add({.cycle = now / period,
+                .time = now,
+                .load_1 = load(first),
+                .load_2 = load(second),
+                .deflection_1 = state.tie_1 - position(bodies.ties[first]).z(),
+                .deflection_2 = state.tie_2 - position(bodies.ties[second]).z(),
+                .bladder_pressure = on_bladder / (sizes_.width * sizes_.bladder_height),
+                .bladder_displacement = position(bodies.bladder).y() - state.bladder,
+                .subgrade_settlement = -subgrade - 0.025,
+                .tie_load = balance.tie_load,
+                .tie_support = balance.tie_support,
+                .subgrade_force = balance.subgrade_force,
+                .unbalanced_ratio = balance.unbalanced_ratio,
+                .subgrade_energy = subgrade_energy,
+                .contact_energy = q.elastic_energy - q.element_energy});
 }
 
-Phase BoxTestRun::loading(const Run& run, Series& cycles, const std::function<void()>& frame) {
+Phase BoxTestRun::loading(const Run& run, SeriesOf<CycleSample>& cycles,
+                          const std::function<void()>& frame) {
     constexpr std::uint64_t samples = 50; // per cycle
     return {.advance =
                 [this, &run, &cycles, frame](Simulation& s) {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "engine/io/series.hpp"
 #include "engine/run.hpp"
 #include "engine/simulation.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
+#include "scenarios/ballast_box/cycles.hpp"
 #include "systems/loads/load.hpp"
 
 #include <cstdint>
@@ -39,7 +39,8 @@ public:
     /// Starts a passage over the tie of a bay: `load` is the force on a whole tie, N, from time 0
     /// on, which is now. Recordings begin anew.
     void begin_passage(World& world, LoadHistory load) const;
-    Phase loading(const Run& run, Series& cycles, const std::function<void()>& frame);
+    Phase loading(const Run& run, SeriesOf<CycleSample>& cycles,
+                  const std::function<void()>& frame);
 
     const BoxSizes& sizes() const { return sizes_; }
 
@@ -82,7 +83,7 @@ private:
     void set_load(World& world, EntityId body, const LoadHistory& history) const;
     /// Mean load and amplitude of the tie with this number, N.
     std::array<double, 2> tie_load(std::size_t tie) const;
-    void add_sample(const World& world, Series& cycles) const;
+    void add_sample(const World& world, SeriesOf<CycleSample>& cycles) const;
     /// Inertia of a tie under scaled masses before its contacts are known.
     void scale_tie(World& world, EntityId tie) const;
 

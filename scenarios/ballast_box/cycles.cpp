@@ -5,35 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 namespace bris {
 
-std::vector<RunFile::Column> cycle_columns() {
-    return {{"cycle", ""},
-            {"time", "s"},
-            {"load_1", "N"},
-            {"load_2", "N"},
-            {"deflection_1", "m"},
-            {"deflection_2", "m"},
-            {"bladder_pressure", "Pa"},
-            {"bladder_displacement", "m"},
-            {"subgrade_settlement", "m"},
-            {"tie_load", "N"},
-            {"tie_support", "N"},
-            {"subgrade_force", "N"},
-            {"unbalanced_ratio", ""},
-            {"subgrade_energy", "J"},
-            {"contact_energy", "J"}};
-}
-
-std::vector<CycleResponse> cycle_responses(const Series& samples, int tie) {
-    const std::string number = std::to_string(tie);
-    const auto &cycle = samples.column("cycle"), &load = samples.column("load_" + number),
-               &deflection = samples.column("deflection_" + number),
-               &carried = samples.column("tie_support"),
-               &subgrade = samples.column("subgrade_energy"),
-               &contacts = samples.column("contact_energy");
+std::vector<CycleResponse> cycle_responses(const SeriesOf<CycleSample>& samples, int tie) {
+    using S = CycleSample;
+    const auto &cycle = samples[&S::cycle], &load = samples[tie == 1 ? &S::load_1 : &S::load_2],
+               &deflection = samples[tie == 1 ? &S::deflection_1 : &S::deflection_2],
+               &carried = samples[&S::tie_support], &subgrade = samples[&S::subgrade_energy],
+               &contacts = samples[&S::contact_energy];
     std::vector<CycleResponse> all;
     std::size_t lowest_tie = 0; // sample
     double last_load = 0, last_deflection = 0;

@@ -2,12 +2,35 @@
 
 #include "engine/io/series.hpp"
 
+#include <array>
 #include <vector>
 
 namespace bris {
 
-/// Columns of the samples that a loading takes.
-std::vector<RunFile::Column> cycle_columns();
+/// A sample of a loading. The numbers of ties are those of cycle_responses().
+struct CycleSample {
+    double cycle, time, load_1, load_2, deflection_1, deflection_2, bladder_pressure,
+        bladder_displacement, subgrade_settlement, tie_load, tie_support, subgrade_force,
+        unbalanced_ratio, subgrade_energy, contact_energy;
+    static constexpr auto columns() {
+        using S = CycleSample;
+        return std::array{Sampled{&S::cycle, "cycle", ""},
+                          Sampled{&S::time, "time", "s"},
+                          Sampled{&S::load_1, "load_1", "N"},
+                          Sampled{&S::load_2, "load_2", "N"},
+                          Sampled{&S::deflection_1, "deflection_1", "m"},
+                          Sampled{&S::deflection_2, "deflection_2", "m"},
+                          Sampled{&S::bladder_pressure, "bladder_pressure", "Pa"},
+                          Sampled{&S::bladder_displacement, "bladder_displacement", "m"},
+                          Sampled{&S::subgrade_settlement, "subgrade_settlement", "m"},
+                          Sampled{&S::tie_load, "tie_load", "N"},
+                          Sampled{&S::tie_support, "tie_support", "N"},
+                          Sampled{&S::subgrade_force, "subgrade_force", "N"},
+                          Sampled{&S::unbalanced_ratio, "unbalanced_ratio", ""},
+                          Sampled{&S::subgrade_energy, "subgrade_energy", "J"},
+                          Sampled{&S::contact_energy, "contact_energy", "J"}};
+    }
+};
 
 /// Response of one tie in one load cycle.
 struct CycleResponse {
@@ -27,7 +50,7 @@ struct CycleResponse {
 /// The complete cycles of a series, of the tie whose load is least at the ends of the cycles
 /// (number 1) or of the other one (number 2, whose cycles end at its peak load: the resilient
 /// deflection is then the negative one).
-std::vector<CycleResponse> cycle_responses(const Series& samples, int tie);
+std::vector<CycleResponse> cycle_responses(const SeriesOf<CycleSample>& samples, int tie);
 
 /// A law of settlement fitted by least squares to the last decade of cycles N.
 struct SettlementFit {

@@ -29,22 +29,27 @@ std::uint64_t steps_per_sample(const World& world) {
                                    static_cast<std::uint64_t>(std::llround(sample_interval / dt)));
 }
 
-void add_sample(const World& world, unsigned number, Series& samples) {
+void add_sample(const World& world, unsigned number, SeriesOf<PassageSample>& samples) {
     const EntityId tie = world.resource<BoxBodies>().ties.front();
     const Row row = row_of_body(world, tie);
     const auto load = world.column<Bodies, LoadOf>()[row] - 1;
     const LoadHistory& history = world.resource<Loads>().of_body[load].front().history;
     const BoxBalance balance = box_balance(world);
     const double of_spring = world.column<Bodies, PatchForce>()[row].force.z();
-    samples.add({static_cast<double>(number), since(world),
-                 history.at(world.resource<Clock>().time()) - of_spring,
-                 world.resource<BoxState>().tie_1 - world.column<Bodies, Position>()[row].z(),
-                 balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio});
+    const double height = world.column<Bodies, Position>()[row].z();
+    samples.add({.passage = static_cast<double>(number),
+                 .time = since(world),
+                 .load = history.at(world.resource<Clock>().time()) - of_spring,
+                 .deflection = world.resource<BoxState>().tie_1 - height,
+                 .tie_support = balance.tie_support,
+                 .subgrade_force = balance.subgrade_force,
+                 .unbalanced_ratio = balance.unbalanced_ratio});
 }
 
 /// A train that passes; number 0: the first train, of which nothing is recorded.
 Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& train, double speed,
-           unsigned number, Series& samples, const PassageActions& actions, const Run& run) {
+           unsigned number, SeriesOf<PassageSample>& samples, const PassageActions& actions,
+           const Run& run) {
     const RailOnTies rails = settings.rails();
     const double duration = passing_time(train, speed, rails);
     return {.advance =
@@ -114,15 +119,9 @@ Phase find_contacts() {
 
 } // namespace
 
-std::vector<RunFile::Column> passage_columns() {
-    return {{"passage", ""},         {"time", "s"},        {"load", "N"},
-            {"deflection", "m"},     {"tie_support", "N"}, {"subgrade_force", "N"},
-            {"unbalanced_ratio", ""}};
-}
-
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
-                                  const TrackPassage& settings, const Train& train, Series& samples,
-                                  const PassageActions& actions) {
+                                  const TrackPassage& settings, const Train& train,
+                                  SeriesOf<PassageSample>& samples, const PassageActions& actions) {
     std::vector<Phase> phases;
     if (settings.first_train != "none")
         phases.push_back(pass(test, settings, train_named(settings.first_train, "--first-train"),
@@ -139,15 +138,16 @@ std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
     return phases;
 }
 
-PassageResponse passage_response(const Series& samples, unsigned number) {
-    const auto& passage = samples.column("passage");
+PassageResponse passage_response(const SeriesOf<PassageSample>& samples, unsigned number) {
+    const auto& passage = samples[&PassageSample::passage];
     const auto [first, last] =
         std::equal_range(passage.begin(), passage.end(), static_cast<double>(number));
     require(first != last, fmt::format("samples: expected passage {}, found none", number));
     const auto from = static_cast<std::size_t>(first - passage.begin()),
                to = static_cast<std::size_t>(last - passage.begin());
-    const auto &load = samples.column("load"), &deflection = samples.column("deflection"),
-               &support = samples.column("tie_support");
+    const auto &load = samples[&PassageSample::load],
+               &deflection = samples[&PassageSample::deflection],
+               &support = samples[&PassageSample::tie_support];
     PassageResponse r{.settlement = deflection[to - 1] - deflection[from]};
     for (std::size_t k = from; k < to; ++k) {
         r.deflection = std::max(r.deflection, deflection[k] - deflection[from]);

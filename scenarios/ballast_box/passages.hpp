@@ -28,8 +28,20 @@ struct TrackPassage {
     RailOnTies rails() const { return {box.rail_bending, box.tie_support, tie_spacing}; }
 };
 
-/// Columns of the samples that are taken during the passages.
-std::vector<RunFile::Column> passage_columns();
+/// A sample of a passage, on the tie that the train passes.
+struct PassageSample {
+    double passage, time, load, deflection, tie_support, subgrade_force, unbalanced_ratio;
+    static constexpr auto columns() {
+        using S = PassageSample;
+        return std::array{Sampled{&S::passage, "passage", ""},
+                          Sampled{&S::time, "time", "s"},
+                          Sampled{&S::load, "load", "N"},
+                          Sampled{&S::deflection, "deflection", "m"},
+                          Sampled{&S::tie_support, "tie_support", "N"},
+                          Sampled{&S::subgrade_force, "subgrade_force", "N"},
+                          Sampled{&S::unbalanced_ratio, "unbalanced_ratio", ""}};
+    }
+};
 
 /// What is done at the ends of a block of a passage and of a passage.
 struct PassageActions {
@@ -43,8 +55,8 @@ struct PassageActions {
 /// times. `samples` has passage_columns(). All
 /// references must outlive the phases.
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
-                                  const TrackPassage& settings, const Train& train, Series& samples,
-                                  const PassageActions& actions);
+                                  const TrackPassage& settings, const Train& train,
+                                  SeriesOf<PassageSample>& samples, const PassageActions& actions);
 
 /// The tie's response to one passage.
 struct PassageResponse {
@@ -54,7 +66,7 @@ struct PassageResponse {
     double largest_support = 0; ///< N, vertical force of the ballast on the tie
 };
 /// Throws InputError if the samples have no passage of that number.
-PassageResponse passage_response(const Series& samples, unsigned number);
+PassageResponse passage_response(const SeriesOf<PassageSample>& samples, unsigned number);
 
 void TrackPassage::declare_options(auto& option) {
     option.group("Train");

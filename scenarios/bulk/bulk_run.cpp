@@ -33,11 +33,6 @@ std::size_t free_bodies(const World& world) {
         std::ranges::count(motion, static_cast<std::uint32_t>(Motion::free)));
 }
 
-std::vector<RunFile::Column> with_common_columns(std::vector<RunFile::Column> columns) {
-    columns.insert(columns.begin(), {"time", "s"});
-    return columns;
-}
-
 std::vector<Curve> reference_in(const BulkSettings& settings) {
     if (settings.reference.empty()) return {};
     const CsvTable table = read_csv(settings.reference);
@@ -80,10 +75,9 @@ BulkRun::BulkRun(const Common& common, const BulkSettings& settings, BulkCase bu
     : common_(common), settings_(settings), case_(std::move(bulk_case)),
       total_(steps_of(settings.duration, settings.bed.step, "duration")),
       sample_every_(steps_of(settings.sample_interval, settings.bed.step, "sample-interval")),
-      simulation_(simulation), series_("curve", with_common_columns(case_.columns)),
-      maker_(simulation_, settings.bed), progress_(make_progress(common)),
+      simulation_(simulation), maker_(simulation_, settings.bed), progress_(make_progress(common)),
       run_(simulation_, common, common.scenario, progress_slot(progress_)), last_(simulation) {
-    run_.keep(series_);
+    run_.keep(case_.curve);
     run_.keep(last_);
     run_.keep(extremes_);
 }
@@ -155,7 +149,7 @@ Phase BulkRun::case_phase() {
          .sample = [this](Simulation&, std::uint64_t step) { return at_sample(step); },
          .status =
              [this](const World&) {
-                 return fmt::format("{:.4f} s, {}", clock().time(), case_.description(series_));
+                 return fmt::format("{:.4f} s, {}", clock().time(), case_.description());
              },
          .begin = [this](Simulation&) { begin_case(); }});
 }
@@ -191,7 +185,7 @@ void BulkRun::measure_contacts() {
 }
 
 void BulkRun::take_sample() {
-    case_.sample(simulation_.world(), series_);
+    case_.sample(simulation_.world());
     simulation_.prepare(); // tables may have become shorter
 }
 
@@ -230,8 +224,8 @@ void BulkRun::report(const Report& results, std::vector<Plot> plots) {
     summary.show({"bed_at_rest", "simulated_time_s", "steps", "step_over_least_stable_step",
                   "largest_overlap_of_all_samples_m", "wall_time_s"});
     progress_.pause();
-    series_.write_csv(common_.out / "curve.csv");
-    series_.write_track(frames_->file());
+    case_.curve.write_csv(common_.out / "curve.csv");
+    case_.curve.write_track(frames_->file());
     frames_->file().close();
     draw_plots(common_.out / "curve.png", plots);
     draw_picture(common_.out / "scene.png", views_, {.azimuth = 0, .elevation = 0}, 900);

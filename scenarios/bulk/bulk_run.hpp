@@ -37,15 +37,15 @@ void check_bulk(const BulkSettings& settings, const Common& common);
 /// A case: its scene with neighbour lists, and what it does at the samples of a run.
 struct BulkCase {
     World world;
-    std::vector<RunFile::Column> columns; ///< of the curve, after the first one, time (s)
+    Series& curve; ///< to which `sample` adds
     /// Starts the run; called when the bed is at rest and the clock is at 0.
     std::function<void(World&)> begin = {};
-    /// Takes a sample, at every sample interval; may edit the scene.
-    std::function<void(World&, Series&)> sample = {};
+    /// Adds a sample to the curve, at every sample interval; may edit the scene.
+    std::function<void(World&)> sample = {};
     /// Whether the run is over before its duration; called after each sample.
     std::function<bool(const World&)> is_over = {};
-    std::function<std::string(const Series&)> description = {}; ///< for the progress line
-    std::function<Colour(const World&, Row)> colour = {};       ///< of a body in pictures
+    std::function<std::string()> description = {};        ///< for the progress line
+    std::function<Colour(const World&, Row)> colour = {}; ///< of a body in pictures
 };
 
 /// Makes a bed or reads one from a file, then runs the case with its samples, frames, pictures and
@@ -59,7 +59,6 @@ public:
     bool run();
 
     const World& world() const { return std::as_const(simulation_).world(); }
-    const Series& series() const { return series_; }
     /// Writes the curve, the pictures and summary.json, and prints the summary: `results` first,
     /// then the values that all cases share.
     void report(const Report& results, std::vector<Plot> plots);
@@ -85,7 +84,6 @@ private:
     BulkCase case_;
     std::uint64_t total_, sample_every_;
     Simulation& simulation_;
-    Series series_;
     BedMaker maker_;
     Progress progress_;
     Run run_;

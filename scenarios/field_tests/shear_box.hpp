@@ -9,6 +9,7 @@
 #include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/specimens/write_option.hpp"
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -87,13 +88,40 @@ void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& tes
 /// ratio that fines have in place.
 double contaminant_index(const World& world, const ShearBox& box);
 
-/// Columns of the samples of a test.
-std::vector<RunFile::Column> shear_columns();
+/// A sample of a shear test.
+struct ShearSample {
+    double displacement, shear_stress, normal_stress, stress_ratio, plane_normal_stress, dilation,
+        shear_force_lower_half, shear_force_upper_half, normal_force_lower_half,
+        normal_force_upper_half, weight_of_rocks, work_put_in, energy_stored, work_lost,
+        kinetic_energy, coordination_number, unbalanced_ratio, inertial_number;
+    static constexpr auto columns() {
+        using S = ShearSample;
+        return std::array{Sampled{&S::displacement, "displacement", "m"},
+                          Sampled{&S::shear_stress, "shear_stress", "Pa"},
+                          Sampled{&S::normal_stress, "normal_stress", "Pa"},
+                          Sampled{&S::stress_ratio, "stress_ratio", ""},
+                          Sampled{&S::plane_normal_stress, "plane_normal_stress", "Pa"},
+                          Sampled{&S::dilation, "dilation", "m"},
+                          Sampled{&S::shear_force_lower_half, "shear_force_lower_half", "N"},
+                          Sampled{&S::shear_force_upper_half, "shear_force_upper_half", "N"},
+                          Sampled{&S::normal_force_lower_half, "normal_force_lower_half", "N"},
+                          Sampled{&S::normal_force_upper_half, "normal_force_upper_half", "N"},
+                          Sampled{&S::weight_of_rocks, "weight_of_rocks", "N"},
+                          Sampled{&S::work_put_in, "work_put_in", "J"},
+                          Sampled{&S::energy_stored, "energy_stored", "J"},
+                          Sampled{&S::work_lost, "work_lost", "J"},
+                          Sampled{&S::kinetic_energy, "kinetic_energy", "J"},
+                          Sampled{&S::coordination_number, "coordination_number", ""},
+                          Sampled{&S::unbalanced_ratio, "unbalanced_ratio", ""},
+                          Sampled{&S::inertial_number, "inertial_number", ""}};
+    }
+};
 
 /// Phases of a test on a made specimen: growth of fines that are grains, consolidation under the
 /// normal stress, and shear. `curve` gets a sample at the beginning and after each interval of
 /// displacement; `frame` is called at each tenth of the displacement. Both must outlive the phases.
-std::vector<Phase> shear_phases(const ShearBox& box, const ShearTest& test, Series& curve,
+std::vector<Phase> shear_phases(const ShearBox& box, const ShearTest& test,
+                                SeriesOf<ShearSample>& curve,
                                 const std::function<void(const World&)>& frame);
 
 void ShearBox::declare_options(auto& option) {

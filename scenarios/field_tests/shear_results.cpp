@@ -18,12 +18,11 @@ double mean(const std::vector<double>& v, std::size_t first, std::size_t last) {
            static_cast<double>(last - first);
 }
 
-double energy_error(const Series& c) {
-    const auto change = [&](const char* name) {
-        return c.column(name).back() - c.column(name).front();
-    };
-    const double work = change("work_put_in");
-    const double missing = work - change("energy_stored") - change("work_lost");
+double energy_error(const SeriesOf<ShearSample>& c) {
+    using S = ShearSample;
+    const auto change = [&](double S::*number) { return c[number].back() - c[number].front(); };
+    const double work = change(&S::work_put_in);
+    const double missing = work - change(&S::energy_stored) - change(&S::work_lost);
     return work != 0 ? std::abs(missing / work) : 0;
 }
 
@@ -37,13 +36,13 @@ double ShearProperties::residual_angle() const {
     return std::atan2(residual_stress, residual_normal) / degree;
 }
 
-ShearProperties properties_of(const Series& c, double window) {
-    const auto &x = c.column("displacement"), &shear = c.column("shear_stress"),
-               &normal = c.column("normal_stress"), &dilation = c.column("dilation"),
-               &lower = c.column("shear_force_lower_half"),
-               &upper = c.column("shear_force_upper_half"),
-               &down = c.column("normal_force_lower_half"),
-               &up = c.column("normal_force_upper_half"), &weight = c.column("weight_of_rocks");
+ShearProperties properties_of(const SeriesOf<ShearSample>& c, double window) {
+    using S = ShearSample;
+    const auto &x = c[&S::displacement], &shear = c[&S::shear_stress],
+               &normal = c[&S::normal_stress], &dilation = c[&S::dilation],
+               &lower = c[&S::shear_force_lower_half], &upper = c[&S::shear_force_upper_half],
+               &down = c[&S::normal_force_lower_half], &up = c[&S::normal_force_upper_half],
+               &weight = c[&S::weight_of_rocks];
     ShearProperties p;
     const std::size_t n = x.size();
     double imbalance = 0, at_peak = 0;
@@ -60,7 +59,7 @@ ShearProperties properties_of(const Series& c, double window) {
         if (now <= p.peak_stress) continue;
         p.peak_stress = now;
         p.peak_normal = mean(normal, a, b + 1);
-        p.peak_plane_normal = mean(c.column("plane_normal_stress"), a, b + 1);
+        p.peak_plane_normal = mean(c[&S::plane_normal_stress], a, b + 1);
         p.peak_displacement = x[b];
         at_peak = f;
     }
@@ -76,7 +75,7 @@ ShearProperties properties_of(const Series& c, double window) {
     p.residual_normal = mean(normal, tail, n);
     p.dilation = dilation.back();
     p.energy_error = energy_error(c);
-    p.inertial_number = std::ranges::max(c.column("inertial_number"));
+    p.inertial_number = std::ranges::max(c[&S::inertial_number]);
     return p;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/io/series.hpp"
+#include "scenarios/field_tests/shear_box.hpp"
 
 #include <span>
 #include <vector>
@@ -32,7 +32,7 @@ struct ShearProperties {
 
 /// Properties of a curve with the columns of shear_columns; forces are averaged over windows of
 /// `window` (m) of displacement.
-ShearProperties properties_of(const Series& curve, double window = 1e-3);
+ShearProperties properties_of(const SeriesOf<ShearSample>& curve, double window = 1e-3);
 
 /// Strength against normal stress (Pa): Mohr-Coulomb, cohesion + normal tan(angle), and the power
 /// law factor * normal^exponent, by least squares (of logarithms for the power law).

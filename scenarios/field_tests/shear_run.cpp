@@ -89,19 +89,34 @@ double inertial_number(const World& world, const ShearBox& box, double stress) {
     return box.speed / 5 * std::sqrt(density / std::max(stress, 1.0));
 }
 
-void add_sample(const World& world, const ShearBox& box, const BoxForces& f, Series& curve) {
+void add_sample(const World& world, const ShearBox& box, const BoxForces& f,
+                SeriesOf<ShearSample>& curve) {
     const auto& state = world.resource<ShearState>();
     const Quantities q = compute_quantities(world);
     const Energies e = energies_of(world, q);
     const double area = box.area(), shear = 0.5 * (f.upper.x() - f.lower.x()),
                  applied = f.plate + f.weight - f.below, normal = -f.lower.z() - f.below;
-    curve.add({state.displacement, shear / area, applied / area, shear / applied, normal / area,
-               plate_height(world) - state.start_height, -f.lower.x(), f.upper.x(), -f.lower.z(),
-               f.upper.z(), f.weight, e.put_in, e.stored, e.lost, q.kinetic_energy, q.coordination,
-               q.unbalanced_ratio, inertial_number(world, box, normal / area)});
+    curve.add({.displacement = state.displacement,
+               .shear_stress = shear / area,
+               .normal_stress = applied / area,
+               .stress_ratio = shear / applied,
+               .plane_normal_stress = normal / area,
+               .dilation = plate_height(world) - state.start_height,
+               .shear_force_lower_half = -f.lower.x(),
+               .shear_force_upper_half = f.upper.x(),
+               .normal_force_lower_half = -f.lower.z(),
+               .normal_force_upper_half = f.upper.z(),
+               .weight_of_rocks = f.weight,
+               .work_put_in = e.put_in,
+               .energy_stored = e.stored,
+               .work_lost = e.lost,
+               .kinetic_energy = q.kinetic_energy,
+               .coordination_number = q.coordination,
+               .unbalanced_ratio = q.unbalanced_ratio,
+               .inertial_number = inertial_number(world, box, normal / area)});
 }
 
-Phase consolidate(const ShearBox& box, const ShearTest& test, Series& curve,
+Phase consolidate(const ShearBox& box, const ShearTest& test, SeriesOf<ShearSample>& curve,
                   const std::function<void(const World&)>& frame) {
     return {
         .advance =
@@ -170,7 +185,7 @@ void drive_lower_half(World& world, double speed) {
     invalidate_lists(world);
 }
 
-Phase shear(const ShearBox& box, const ShearTest& test, Series& curve,
+Phase shear(const ShearBox& box, const ShearTest& test, SeriesOf<ShearSample>& curve,
             const std::function<void(const World&)>& frame) {
     const auto samples = static_cast<std::uint64_t>(std::llround(box.displacement / box.interval));
     return {
@@ -204,7 +219,7 @@ Phase shear(const ShearBox& box, const ShearTest& test, Series& curve,
             },
         .progress =
             [&box, test, &curve, samples](const World& world) {
-                const double ratio = curve.column("stress_ratio").back();
+                const double ratio = curve[&ShearSample::stress_ratio].back();
                 return PhaseProgress{
                     "shear", static_cast<double>(curve.rows() - 1) / static_cast<double>(samples),
                     fmt::format("{:.0f} kPa, VCI {:g} %: {:.1f} of {:g} mm, stress ratio {:.2f}",
@@ -218,28 +233,8 @@ Phase shear(const ShearBox& box, const ShearTest& test, Series& curve,
 
 } // namespace
 
-std::vector<RunFile::Column> shear_columns() {
-    return {{"displacement", "m"},
-            {"shear_stress", "Pa"},
-            {"normal_stress", "Pa"},
-            {"stress_ratio", ""},
-            {"plane_normal_stress", "Pa"},
-            {"dilation", "m"},
-            {"shear_force_lower_half", "N"},
-            {"shear_force_upper_half", "N"},
-            {"normal_force_lower_half", "N"},
-            {"normal_force_upper_half", "N"},
-            {"weight_of_rocks", "N"},
-            {"work_put_in", "J"},
-            {"energy_stored", "J"},
-            {"work_lost", "J"},
-            {"kinetic_energy", "J"},
-            {"coordination_number", ""},
-            {"unbalanced_ratio", ""},
-            {"inertial_number", ""}};
-}
-
-std::vector<Phase> shear_phases(const ShearBox& box, const ShearTest& test, Series& curve,
+std::vector<Phase> shear_phases(const ShearBox& box, const ShearTest& test,
+                                SeriesOf<ShearSample>& curve,
                                 const std::function<void(const World&)>& frame) {
     std::vector<Phase> phases;
     if (box.fines == "grains") phases.push_back(grow_grains(box.fines_size, box.safety));

@@ -9,6 +9,7 @@
 #include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/specimens/write_option.hpp"
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -67,14 +68,29 @@ struct TieState {
 void add_fines(Simulation& simulation, const TieBed& bed, const TieTest& test, std::uint64_t seed,
                bool fill);
 
-/// Columns of the samples of a push. Forces are those that resist the push, on a whole tie.
-std::vector<RunFile::Column> push_columns();
+/// A sample of a push. Forces are those that resist it, on a whole tie.
+struct PushSample {
+    double displacement, force, base_force, crib_force, end_force, other_force, support, lift,
+        unbalanced_ratio;
+    static constexpr auto columns() {
+        using S = PushSample;
+        return std::array{Sampled{&S::displacement, "displacement", "m"},
+                          Sampled{&S::force, "force", "N"},
+                          Sampled{&S::base_force, "base_force", "N"},
+                          Sampled{&S::crib_force, "crib_force", "N"},
+                          Sampled{&S::end_force, "end_force", "N"},
+                          Sampled{&S::other_force, "other_force", "N"},
+                          Sampled{&S::support, "support", "N"},
+                          Sampled{&S::lift, "lift", "m"},
+                          Sampled{&S::unbalanced_ratio, "unbalanced_ratio", ""}};
+    }
+};
 
 /// Phases of a test on a made bed: the plate is lifted, rocks beyond the profile of the bed are
 /// taken away and the bed comes to rest; then the tie is pushed. `curve` gets a sample at the
 /// beginning and after each interval of displacement; `frame` is called at each tenth of it. Both
 /// must outlive the phases.
-std::vector<Phase> push_phases(const TieBed& bed, const TieTest& test, Series& curve,
+std::vector<Phase> push_phases(const TieBed& bed, const TieTest& test, SeriesOf<PushSample>& curve,
                                const std::function<void(const World&)>& frame);
 
 void TieBed::declare_options(auto& option) {

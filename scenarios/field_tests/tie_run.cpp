@@ -125,71 +125,72 @@ Phase come_to_rest(const TieBed& bed, const TieTest& test) {
             .begin = [&bed, test](Simulation& s) { shape_bed(s.world(), bed, test); }};
 }
 
-void add_sample(const World& world, Series& curve) {
+void add_sample(const World& world, SeriesOf<PushSample>& curve) {
     const auto& state = world.resource<TieState>();
     const SideForces on = side_forces(world);
     Vec3 sum = Vec3::Zero();
     for (const Vec3& f : on) sum += f;
     const Vec3& tie = tie_position(world);
-    curve.add({tie.y() - state.start_y, -whole * sum.y(), -whole * on[4].y(),
-               -whole * (on[0].y() + on[1].y()), -whole * on[3].y(),
-               -whole * (on[2].y() + on[5].y()), whole * sum.z(), tie.z() - state.z,
-               compute_balance(world).unbalanced_ratio});
+    curve.add({.displacement = tie.y() - state.start_y,
+               .force = -whole * sum.y(),
+               .base_force = -whole * on[4].y(),
+               .crib_force = -whole * (on[0].y() + on[1].y()),
+               .end_force = -whole * on[3].y(),
+               .other_force = -whole * (on[2].y() + on[5].y()),
+               .support = whole * sum.z(),
+               .lift = tie.z() - state.z,
+               .unbalanced_ratio = compute_balance(world).unbalanced_ratio});
 }
 
-Phase push(const TieBed& bed, Series& curve, const std::function<void(const World&)>& frame) {
+Phase push(const TieBed& bed, SeriesOf<PushSample>& curve,
+           const std::function<void(const World&)>& frame) {
     const auto samples = static_cast<std::uint64_t>(std::llround(bed.displacement / bed.interval));
-    return {
-        .advance =
-            [&bed, &curve, frame, samples](Simulation& s) {
-                World& world = s.world();
-                auto& state = world.resource<TieState>();
-                const auto of_next = static_cast<double>(curve.rows()) * bed.interval;
-                const double step =
-                    bed.speed * world.resource<Clock>().dt * static_cast<double>(push_steps);
-                while (tie_position(world).y() - state.start_y < of_next) {
-                    if (state.pushed > 2 * bed.displacement)
-                        throw SimulationError("push: the tie does not follow the spring that "
-                                              "pushes it");
-                    pushing_spring(world).anchor.y() += step;
-                    state.pushed += step;
-                    s.advance(push_steps);
-                }
-                (void)checked_stable_step(world);
-                (void)scale_masses(world, world.resource<Clock>().dt, bed.safety, true);
-                add_sample(world, curve);
-                const std::uint64_t done = curve.rows() - 1;
-                if (done * 10 / samples != (done - 1) * 10 / samples) frame(world);
-                return done < samples;
-            },
-        .progress =
-            [&curve, samples](const World&) {
-                return PhaseProgress{
-                    "push", static_cast<double>(curve.rows()) / static_cast<double>(samples + 1),
-                    fmt::format("{:.1f} mm, {:.1f} kN", 1e3 * curve.column("displacement").back(),
-                                1e-3 * curve.column("force").back()),
-                    static_cast<double>(curve.rows())};
-            },
-        .begin =
-            [&curve, frame](Simulation& s) {
-                World& world = s.world();
-                auto& state = world.resource<TieState>();
-                state.start_y = tie_position(world).y();
-                state.z = tie_position(world).z();
-                add_sample(world, curve);
-                frame(world);
-            }};
+    return {.advance =
+                [&bed, &curve, frame, samples](Simulation& s) {
+                    World& world = s.world();
+                    auto& state = world.resource<TieState>();
+                    const auto of_next = static_cast<double>(curve.rows()) * bed.interval;
+                    const double step =
+                        bed.speed * world.resource<Clock>().dt * static_cast<double>(push_steps);
+                    while (tie_position(world).y() - state.start_y < of_next) {
+                        if (state.pushed > 2 * bed.displacement)
+                            throw SimulationError("push: the tie does not follow the spring that "
+                                                  "pushes it");
+                        pushing_spring(world).anchor.y() += step;
+                        state.pushed += step;
+                        s.advance(push_steps);
+                    }
+                    (void)checked_stable_step(world);
+                    (void)scale_masses(world, world.resource<Clock>().dt, bed.safety, true);
+                    add_sample(world, curve);
+                    const std::uint64_t done = curve.rows() - 1;
+                    if (done * 10 / samples != (done - 1) * 10 / samples) frame(world);
+                    return done < samples;
+                },
+            .progress =
+                [&curve, samples](const World&) {
+                    return PhaseProgress{"push",
+                                         static_cast<double>(curve.rows()) /
+                                             static_cast<double>(samples + 1),
+                                         fmt::format("{:.1f} mm, {:.1f} kN",
+                                                     1e3 * curve[&PushSample::displacement].back(),
+                                                     1e-3 * curve[&PushSample::force].back()),
+                                         static_cast<double>(curve.rows())};
+                },
+            .begin =
+                [&curve, frame](Simulation& s) {
+                    World& world = s.world();
+                    auto& state = world.resource<TieState>();
+                    state.start_y = tie_position(world).y();
+                    state.z = tie_position(world).z();
+                    add_sample(world, curve);
+                    frame(world);
+                }};
 }
 
 } // namespace
 
-std::vector<RunFile::Column> push_columns() {
-    return {{"displacement", "m"}, {"force", "N"},     {"base_force", "N"},
-            {"crib_force", "N"},   {"end_force", "N"}, {"other_force", "N"},
-            {"support", "N"},      {"lift", "m"},      {"unbalanced_ratio", ""}};
-}
-
-std::vector<Phase> push_phases(const TieBed& bed, const TieTest& test, Series& curve,
+std::vector<Phase> push_phases(const TieBed& bed, const TieTest& test, SeriesOf<PushSample>& curve,
                                const std::function<void(const World&)>& frame) {
     return {come_to_rest(bed, test), push(bed, curve, frame)};
 }

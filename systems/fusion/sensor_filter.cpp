@@ -1,8 +1,11 @@
 #include "systems/fusion/sensor_filter.hpp"
 
+#include "engine/errors.hpp"
 #include "engine/estimation/chi_squared.hpp"
 #include "engine/estimation/constant_velocity.hpp"
 #include "engine/signal/attitude.hpp"
+
+#include <fmt/format.h>
 
 #include <limits>
 
@@ -39,7 +42,7 @@ bool Measured::is_empty() const {
 
 SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings) {
     filter_.begin(settings.position, settings.velocity, settings.attitude,
-                  settings.angular_velocity, 0, 0);
+                  settings.angular_velocity);
     filter_.gate = settings.gate < 1 ? chi_squared_quantile(settings.gate, 3) : 0;
 }
 
@@ -75,7 +78,7 @@ void SensorFilter::move_on(double dt, const RigidState& forecast) {
     filter_.move_to(forecast, walk);
 }
 
-Mat3 SensorFilter::covariance_of(InertialFilter::Part part) const {
+Mat3 SensorFilter::covariance_of(MotionFilter::Part part) const {
     const auto root = filter_.error().root.middleRows<3>(part);
     return root * root.transpose();
 }
@@ -83,7 +86,7 @@ Mat3 SensorFilter::covariance_of(InertialFilter::Part part) const {
 // `before`: covariance of the observed quantity before the analysis. A rejected observation has
 // gain 0.
 AnalysisStatistics SensorFilter::analysis_statistics(const Verdict& verdict,
-                                                     InertialFilter::Part part, const Mat3& before,
+                                                     MotionFilter::Part part, const Mat3& before,
                                                      double noise) const {
     AnalysisStatistics w;
     w.innovation = verdict.innovation;
@@ -103,22 +106,22 @@ Analysis SensorFilter::observe(const Measured& measured) {
         a.largest_distance = std::max(a.largest_distance, v.squared_distance);
     };
     if (measured.position.allFinite()) {
-        const Mat3 before = covariance_of(InertialFilter::position);
+        const Mat3 before = covariance_of(MotionFilter::position);
         const Verdict v =
             filter_.observe_position(measured.position, square(measured.position_deviation));
         take(v);
         position_ =
-            analysis_statistics(v, InertialFilter::position, before, measured.position_deviation);
+            analysis_statistics(v, MotionFilter::position, before, measured.position_deviation);
     }
     if (measured.velocity.allFinite())
         take(filter_.observe_velocity(measured.velocity, square(measured.velocity_deviation)));
     const auto take_attitude = [&](const Quat& q, bool is_one) {
         if (!is_one) return take(Verdict{});
-        const Mat3 before = covariance_of(InertialFilter::rotation);
+        const Mat3 before = covariance_of(MotionFilter::rotation);
         const Verdict v = filter_.observe_attitude(q, square(measured.attitude_deviation));
         take(v);
         attitude_ =
-            analysis_statistics(v, InertialFilter::rotation, before, measured.attitude_deviation);
+            analysis_statistics(v, MotionFilter::rotation, before, measured.attitude_deviation);
     };
     if (measured.attitude.coeffs().allFinite())
         take_attitude(measured.attitude, is_unit(measured.attitude));
@@ -134,7 +137,7 @@ Analysis SensorFilter::observe(const Measured& measured) {
     return a;
 }
 
-Matrix SensorFilter::covariance() const { return filter_.covariance().topLeftCorner<12, 12>(); }
+Matrix SensorFilter::covariance() const { return filter_.covariance(); }
 
 void SensorFilter::withhold(const Analysis& part) {
     if (settings_.kind == FilterKind::printed) return;
@@ -144,8 +147,8 @@ void SensorFilter::withhold(const Analysis& part) {
     stays.orientation = (exponential_map(-part.turn) * stays.orientation).normalized();
     stays.angular_velocity -= part.angular_velocity;
     Gaussian error = filter_.error();
-    Vector left = Vector::Zero(InertialFilter::size);
-    left.head<12>() << part.shift, part.velocity, part.turn, part.angular_velocity;
+    Vector left(MotionFilter::size);
+    left << part.shift, part.velocity, part.turn, part.angular_velocity;
     Matrix roots(left.size(), left.size() + 1);
     roots << error.root, left;
     error.root = triangle_of<double>(roots);
@@ -205,6 +208,9 @@ void SensorFilter::save(Archive& archive, const std::string& path) const {
 void SensorFilter::load(const Archive& archive, const std::string& path) {
     const auto get = [&](const std::string& name, Matrix& m) {
         const auto numbers = archive.get<double>(path + name);
+        require(static_cast<Eigen::Index>(numbers.size()) == m.size(),
+                fmt::format("checkpoint: {}{}: expected {} numbers, found {}", path, name, m.size(),
+                            numbers.size()));
         std::copy(numbers.begin(), numbers.end(), m.data());
     };
     Gaussian error = filter_.error();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/archive.hpp"
-#include "engine/estimation/inertial_filter.hpp"
+#include "engine/estimation/motion_filter.hpp"
 #include "engine/estimation/printed_filter.hpp"
 
 #include <string>
@@ -14,7 +14,7 @@ enum class FilterKind : std::uint32_t {
     /// Exactly as printed in the SmartRock report, including its errors.
     printed,
     /// The same with the errors corrected, as an error-state filter of displacement, velocity,
-    /// attitude and angular velocity (InertialFilter).
+    /// attitude and angular velocity (MotionFilter).
     corrected
 };
 const std::vector<std::string>& texts_of(FilterKind);
@@ -96,13 +96,13 @@ private:
     Analysis update_as_printed(const BodyForecast& forecast, const Measured& measured, double dt);
     void move_on(double dt, const RigidState& forecast);
     Analysis observe(const Measured& measured);
-    Mat3 covariance_of(InertialFilter::Part part) const;
-    AnalysisStatistics analysis_statistics(const Verdict& verdict, InertialFilter::Part part,
+    Mat3 covariance_of(MotionFilter::Part part) const;
+    AnalysisStatistics analysis_statistics(const Verdict& verdict, MotionFilter::Part part,
                                            const Mat3& before, double noise) const;
     static Analysis difference(const RigidState& a, const RigidState& b);
 
     FilterSettings settings_;
-    InertialFilter filter_; // `corrected` uses only its first four parts
+    MotionFilter filter_;
     PrintedFilter printed_;
     AnalysisStatistics position_, attitude_;
     double last_time_ = 0;

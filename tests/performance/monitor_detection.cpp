@@ -1,13 +1,13 @@
 // How often does the monitor detect a change, and how often does it raise a false alarm? Synthetic
 // passages that the baseline has not seen; nothing here is a claim about ballast.
 #include "engine/ensemble.hpp"
-#include "engine/estimation/detection.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
+#include "tests/detection.hpp"
 
 #include <fmt/format.h>
 

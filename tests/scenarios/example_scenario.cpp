@@ -23,6 +23,14 @@ struct Bounce {
     }
 };
 
+struct MotionSample {
+    double time, height;
+    static constexpr auto columns() {
+        using S = MotionSample;
+        return std::array{Sampled{&S::time, "time", "s"}, Sampled{&S::height, "height", "m"}};
+    }
+};
+
 constexpr double radius = 0.01, stiffness = 1e6, sample_interval = 1e-3; // m, N/m, s
 constexpr EntityId ball = 1; // bodies are numbered as they are added; the floor is body 0
 
@@ -42,10 +50,10 @@ void run(const Bounce& s, const Common& common) {
     const double touch = std::sqrt(2 * s.height / 9.81), apex = touch * (1 + s.restitution);
     require(s.duration > apex, "--duration: expected more than the time of the first rebound");
     Simulation simulation = make_simulation(s, common);
-    Series motion("motion", {{"time", "s"}, {"height", "m"}});
+    SeriesOf<MotionSample> motion("motion");
     const auto sample = [&](Simulation& now, std::uint64_t) {
-        motion.add(
-            {now.world().resource<Clock>().time(), value_of<Position>(now, ball).z() - radius});
+        motion.add({.time = now.world().resource<Clock>().time(),
+                    .height = value_of<Position>(now, ball).z() - radius});
         return true;
     };
     Run run(simulation, common, "bounce");
@@ -56,12 +64,12 @@ void run(const Bounce& s, const Common& common) {
                        .sample_every = steps_of(sample_interval, s.step, "step"),
                        .sample = sample})});
 
-    const auto &time = motion.column("time"), &height = motion.column("height");
+    const auto &time = motion[&MotionSample::time], &height = motion[&MotionSample::height];
     const auto after = std::ranges::upper_bound(time, touch) - time.begin();
     const double rebound = *std::max_element(height.begin() + after, height.end()),
                  exact = s.restitution * s.restitution * s.height;
     motion.write_csv(common.out / "bounce.csv");
-    draw_plots(common.out / "bounce.png", {motion.plot("height")});
+    draw_plots(common.out / "bounce.png", {motion.plot(&MotionSample::height)});
     Summary summary;
     summary.add("rebound_height_m", rebound);
     summary.add("rebound_height_error", rebound / exact - 1);

@@ -224,7 +224,7 @@ TEST_SUITE("ballast_box") {
 
     TEST_CASE("cycles are evaluated at their least load: settlement, rebound, stiffness and loop") {
         // loading along one line, unloading along a steeper one, so each cycle leaves 1 mm
-        Series samples("box", cycle_columns());
+        SeriesOf<CycleSample> samples("box");
         constexpr int n = 50;
         for (int k = 1; k <= 3 * n; ++k) {
             const double phase = static_cast<double>(k % n) / n;
@@ -236,9 +236,14 @@ TEST_SUITE("ballast_box") {
                                       (phase > 0 && phase <= 0.5 ? 5e-3 * up : 1e-3 + 4e-3 * down);
             // 1 kN of weight; the subgrade of 50 kN/mm gives 2 of the 4 mm, elastic contacts 0.5 mm
             const double carried = 1e3 + 100e3 * load;
-            samples.add({static_cast<double>(k) / n, 0, 100e3 * load, 0, deflection, 0, 0, 0, 0,
-                         carried, carried, 0, 0, 0.5 * carried * carried / 50e6,
-                         0.5 * carried * carried / 200e6});
+            CycleSample now{};
+            now.cycle = static_cast<double>(k) / n;
+            now.load_1 = 100e3 * load;
+            now.deflection_1 = deflection;
+            now.tie_load = now.tie_support = carried;
+            now.subgrade_energy = 0.5 * carried * carried / 50e6;
+            now.contact_energy = 0.5 * carried * carried / 200e6;
+            samples.add(now);
         }
         const auto cycles = cycle_responses(samples, 1);
         REQUIRE(cycles.size() == 3);

@@ -28,8 +28,7 @@ struct PassageRun {
           common(bris::testing::quiet_run("track_passage", out)),
           simulation(make_box_simulation(passage.box, common)),
           test(simulation, passage.box, common.seed), run(simulation, common, "track_passage"),
-          samples("passages", passage_columns()), actions{.frame = [] {},
-                                                          .completed = [](unsigned) {}} {
+          samples("passages"), actions{.frame = [] {}, .completed = [](unsigned) {}} {
         run.keep(samples);
     }
     void go() {
@@ -48,7 +47,7 @@ struct PassageRun {
     Simulation simulation;
     BoxTestRun test;
     Run run;
-    Series samples;
+    SeriesOf<PassageSample> samples;
     PassageActions actions;
 };
 

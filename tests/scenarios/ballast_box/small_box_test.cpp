@@ -40,7 +40,7 @@ public:
         : simulation(
               start(make_box_world(box, 1), {.law = LawName::linear_viscous, .threads = threads})),
           test(simulation, box, 1), common(bris::testing::quiet_run("ballast_box", out)),
-          run(simulation, common, "ballast_box"), samples("box", cycle_columns()) {
+          run(simulation, common, "ballast_box"), samples("box") {
         run.keep(samples);
     }
     const World& world() const { return simulation.world(); }
@@ -61,7 +61,7 @@ public:
     BoxTestRun test;
     Common common;
     Run run;
-    Series samples;
+    SeriesOf<CycleSample> samples;
 };
 
 } // namespace
@@ -87,9 +87,9 @@ TEST_SUITE("ballast_box") {
         CHECK(state.seat_ratio <= clean.rest);
         CHECK(state.seat_support == about(1).epsilon(0.01));
         // at the peak load the subgrade carries it and the weight; guides carry the remainder
-        const auto &load = one.samples.column("load_1"),
-                   &base = one.samples.column("subgrade_force"),
-                   &tie = one.samples.column("tie_support");
+        const auto &load = one.samples[&CycleSample::load_1],
+                   &base = one.samples[&CycleSample::subgrade_force],
+                   &tie = one.samples[&CycleSample::tie_support];
         const auto peak = static_cast<std::size_t>(std::ranges::max_element(load) - load.begin());
         const double weight = compute_quantities(one.world()).weight.norm();
         CHECK(load[peak] == about(290e3 * box_sizes(clean).share).epsilon(1e-3));
@@ -169,7 +169,8 @@ TEST_SUITE("ballast_box") {
         };
         CHECK(least_friction(dry->world()) < 0.9);
         CHECK(least_friction(fouled_wet->world()) < least_friction(dry->world()) - 0.02);
-        CHECK(dry->samples.column("deflection_1") != one.samples.column("deflection_1"));
-        CHECK(fouled_wet->samples.column("deflection_1") != dry->samples.column("deflection_1"));
+        CHECK(dry->samples[&CycleSample::deflection_1] != one.samples[&CycleSample::deflection_1]);
+        CHECK(fouled_wet->samples[&CycleSample::deflection_1] !=
+              dry->samples[&CycleSample::deflection_1]);
     }
 }

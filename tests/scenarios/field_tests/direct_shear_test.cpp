@@ -31,7 +31,7 @@ struct ShearedBox {
                const std::filesystem::path& out)
         : box(settings), test(of), simulation(make()),
           common(bris::testing::quiet_run("direct_shear", out)),
-          run(simulation, common, "direct_shear"), curve("shear", shear_columns()) {
+          run(simulation, common, "direct_shear"), curve("shear") {
         run.keep(curve);
     }
     const World& world() const { return simulation.world(); }
@@ -48,7 +48,7 @@ struct ShearedBox {
     Simulation simulation;
     Common common;
     Run run;
-    Series curve;
+    SeriesOf<ShearSample> curve;
 };
 
 /// A block on eight balls that stands on the floor and is held by the end wall of the upper half.
@@ -113,10 +113,10 @@ TEST_SUITE("direct_shear") {
         rescale_masses(world, box.safety);
         sheared.go();
 
-        const auto &shear = sheared.curve.column("shear_force_lower_half"),
-                   &upper = sheared.curve.column("shear_force_upper_half"),
-                   &normal = sheared.curve.column("normal_force_lower_half"),
-                   &ratio = sheared.curve.column("stress_ratio");
+        const auto &shear = sheared.curve[&ShearSample::shear_force_lower_half],
+                   &upper = sheared.curve[&ShearSample::shear_force_upper_half],
+                   &normal = sheared.curve[&ShearSample::normal_force_lower_half],
+                   &ratio = sheared.curve[&ShearSample::stress_ratio];
         REQUIRE(shear.size() == 101);
         // the spring of the contact has slipped by then
         for (std::size_t k = 10; k < shear.size(); ++k) {
@@ -129,8 +129,8 @@ TEST_SUITE("direct_shear") {
         CHECK(p.residual_normal == about(50e3).epsilon(2e-3));
         CHECK(std::abs(p.dilation) < 1e-5);
         CHECK(p.energy_error < 1e-3);
-        const double lost =
-            sheared.curve.column("work_lost").back() - sheared.curve.column("work_lost").front();
+        const double lost = sheared.curve[&ShearSample::work_lost].back() -
+                            sheared.curve[&ShearSample::work_lost].front();
         CHECK(lost == about(friction * 50e3 * box.area() * box.displacement).epsilon(0.01));
     }
 
@@ -158,7 +158,7 @@ TEST_SUITE("direct_shear") {
         CHECK(p.inertial_number < 3e-3);
         CHECK(p.residual_normal == about(50e3).epsilon(0.05)); // with the weight of some rocks
         CHECK(p.peak_ratio() > 0.7); // the packing is stronger than its contacts
-        const auto& lost = clean.curve.column("work_lost");
+        const auto& lost = clean.curve[&ShearSample::work_lost];
         CHECK(std::ranges::is_sorted(lost));
 
         const auto fouled = [&](unsigned threads) {
@@ -187,7 +187,7 @@ TEST_SUITE("direct_shear") {
         CHECK(resumed.curve.rows() < one.curve.rows());
         resumed.go();
         CHECK(resumed.fingerprint() == one.fingerprint());
-        CHECK(resumed.curve.column("shear_stress") == one.curve.column("shear_stress"));
+        CHECK(resumed.curve[&ShearSample::shear_stress] == one.curve[&ShearSample::shear_stress]);
 
         // fines as grains, which carry forces and have weight
         ShearBox with_grains = box;
@@ -205,8 +205,8 @@ TEST_SUITE("direct_shear") {
         CHECK(grains->world().resource<ShearState>().start_vci == about(20).epsilon(0.05));
         const auto number =
             grains->world().table<Bodies>().size() - clean.world().table<Bodies>().size();
-        const auto &weight = grains->curve.column("weight_of_rocks"),
-                   &without = clean.curve.column("weight_of_rocks");
+        const auto &weight = grains->curve[&ShearSample::weight_of_rocks],
+                   &without = clean.curve[&ShearSample::weight_of_rocks];
         CHECK(weight[0] - without[0] == about(9.81 * with_grains.fouling.settings.density *
                                               static_cast<double>(number) * pi / 6 * 1e-6));
         const ShearProperties g = properties_of(grains->curve);
@@ -226,7 +226,7 @@ TEST_SUITE("direct_shear") {
     }
 
     TEST_CASE("peak, residual stress and dilation angle of a known curve are found") {
-        Series curve("shear", shear_columns());
+        SeriesOf<ShearSample> curve("shear");
         for (int k = 0; k <= 300; ++k) {
             const double x = 1e-4 * k, force = k < 100 ? k : (k < 110 ? 100 : 60);
             const double dilation = 0.5 * std::clamp(x - 0.01, 0.0, 0.01);

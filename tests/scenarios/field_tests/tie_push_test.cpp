@@ -48,37 +48,41 @@ TEST_SUITE("tie_push") {
               about(bed.porosity).epsilon(bed.porosity_tolerance / bed.porosity));
 
         struct Pushed {
-            Series curve;
+            SeriesOf<PushSample> curve;
             std::uint64_t fingerprint;
         };
         const auto push = [&](bool with_shoulder, unsigned threads) {
             Simulation simulation = make_tie_bed(bed, 1, threads, false);
             simulation.restore(made);
-            Series curve("push", push_columns());
+            SeriesOf<PushSample> curve("push");
             Run(simulation, common, "tie_push")
                 .go(push_phases(bed, {.with_shoulder = with_shoulder}, curve, [](const World&) {}));
             return Pushed{curve, fingerprint(simulation.snapshot())};
         };
         const Pushed with = push(true, 1), without = push(false, 1);
-        const auto mean_of_last = [](const Series& curve, const char* column) {
-            const auto& values = curve.column(column);
+        const auto mean_of_last = [](const SeriesOf<PushSample>& curve,
+                                     double PushSample::*number) {
+            const auto& values = curve[number];
             double sum = 0;
             for (std::size_t k = values.size() - 10; k < values.size(); ++k) sum += values[k] / 10;
             return sum;
         };
         for (const Pushed* run : {&with, &without}) {
-            CHECK(run->curve.column("support").front() ==
+            CHECK(run->curve[&PushSample::support].front() ==
                   about(9.81 * bed.tie_mass).epsilon(0.02)); // at rest
-            CHECK(run->curve.column("displacement").back() >= bed.displacement);
-            const double force = mean_of_last(run->curve, "force");
+            CHECK(run->curve[&PushSample::displacement].back() >= bed.displacement);
+            const double force = mean_of_last(run->curve, &PushSample::force);
             CHECK(force > 0.3 * 9.81 * bed.tie_mass);
             double parts = 0;
-            for (const char* part : {"base_force", "crib_force", "end_force", "other_force"})
+            for (const auto part : {&PushSample::base_force, &PushSample::crib_force,
+                                    &PushSample::end_force, &PushSample::other_force})
                 parts += mean_of_last(run->curve, part);
             CHECK(parts == about(force).epsilon(1e-9));
         }
-        CHECK(mean_of_last(without.curve, "force") < mean_of_last(with.curve, "force"));
-        CHECK(mean_of_last(with.curve, "end_force") > mean_of_last(without.curve, "end_force"));
+        CHECK(mean_of_last(without.curve, &PushSample::force) <
+              mean_of_last(with.curve, &PushSample::force));
+        CHECK(mean_of_last(with.curve, &PushSample::end_force) >
+              mean_of_last(without.curve, &PushSample::end_force));
         CHECK(push(true, 2).fingerprint == with.fingerprint);
     }
 

@@ -1,10 +1,10 @@
 #include "engine/errors.hpp"
-#include "engine/estimation/detection.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/random.hpp"
 #include "engine/signal/median.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
+#include "tests/detection.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>

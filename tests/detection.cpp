@@ -1,4 +1,4 @@
-#include "engine/estimation/detection.hpp"
+#include "tests/detection.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/random.hpp"

@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
-#include "engine/estimation/detection.hpp"
 #include "engine/random.hpp"
+#include "tests/detection.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 
 using namespace bris;
 
-TEST_SUITE("engine/estimation/detection") {
+TEST_SUITE("engine/detection") {
     TEST_CASE("the interval of a share is that of Clopper and Pearson") {
         // 0 of n: 1 - (alpha / 2)^(1 / n); 10 of 20: published tables
         const Interval none = binomial_interval(0, 20);
