@@ -1,6 +1,7 @@
 # Run by ctest: registers the test cases of EXECUTABLE, each labelled with its suite. One listing gives both, whereas
-# doctest's own script starts the executable once for every test to learn its suite.
-execute_process(COMMAND ${EXECUTABLE} --reporters=xml --list-test-cases OUTPUT_VARIABLE listing RESULT_VARIABLE result)
+# doctest's own script starts the executable once for every test to learn its suite. A case that is marked `* doctest::skip()`
+# takes long: it is labelled slow, too.
+execute_process(COMMAND ${EXECUTABLE} --reporters=xml --list-test-cases --no-skip OUTPUT_VARIABLE listing RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
   message(FATAL_ERROR "${EXECUTABLE} --list-test-cases: expected exit code 0, found ${result}")
 endif()
@@ -14,10 +15,14 @@ foreach(case IN LISTS cases)
   string(REPLACE "&gt;" ">" name "${name}")
   string(REPLACE "&amp;" "&" name "${name}")
   string(REPLACE "," "\\," filter "${name}")   # doctest separates filters by commas
-  add_test("${name}" ${EXECUTABLE} "--test-case=${filter}")
+  add_test("${name}" ${EXECUTABLE} "--test-case=${filter}" --no-skip)
   set(seconds ${SECONDS})
   if(suite STREQUAL "slow")
     set(seconds 10800)
   endif()
-  set_tests_properties("${name}" PROPERTIES TIMEOUT ${seconds} LABELS "${suite}")
+  set(labels "${suite}")
+  if(case MATCHES "skipped=\"true\"")
+    list(APPEND labels slow)
+  endif()
+  set_tests_properties("${name}" PROPERTIES TIMEOUT ${seconds} LABELS "${labels}")
 endforeach()

@@ -20,7 +20,7 @@ assert 'OMPI_COMM_WORLD_SIZE' not in os.environ  # this is no rank
 words = sys.argv[1:]
 out = Path(words[words.index('--out') + 1])
 options = [w for k, w in enumerate(words) if '--out' not in (w, words[k - 1]) and '--resume' not in (w, words[k - 1])]
-time.sleep(0.15)
+time.sleep(0.03)
 def number(key):
     return 0.5 + int(hashlib.sha256((key + ' '.join(options)).encode()).hexdigest()[:6], 16) / 2**25
 class Any(dict):

@@ -184,23 +184,19 @@ std::string outside(const NumericOption& option, bool upper) {
     return option.is_integer ? fmt::format("{:.0f}", number) : fmt::format("{}", number);
 }
 
-/// What nobody can have meant, for each option of each scenario: four values, and one of them in
-/// turn where another scenario has the same option, since each process takes its time.
+/// What nobody can have meant, one of four values in turn, for each option of the first scenario
+/// that has it: each process takes its time, and the others declare it in the same place.
 std::vector<Command> absurd_commands(const std::vector<std::string>& names,
                                      const std::vector<std::vector<NumericOption>>& options) {
     std::vector<Command> commands;
     std::set<std::string> seen;
-    std::size_t turn = 0;
     for (std::size_t k = 0; k < names.size(); ++k)
         for (const NumericOption& option : options[k]) {
+            if (!seen.insert(option.flag + option.text).second) continue;
+            const std::size_t turn = commands.size();
             const std::array values{std::string("nan"), std::string("banana"), std::string("1e999"),
                                     outside(option, turn / 4 % 2 == 0)};
-            ++turn;
-            if (seen.insert(option.flag + option.text).second)
-                for (const std::string& value : values)
-                    commands.push_back({names[k], {option.flag, value}});
-            else
-                commands.push_back({names[k], {option.flag, values[turn % values.size()]}});
+            commands.push_back({names[k], {option.flag, values[turn % values.size()]}});
         }
     return commands;
 }

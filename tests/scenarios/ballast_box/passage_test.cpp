@@ -56,7 +56,8 @@ struct PassageRun {
 TEST_SUITE("ballast_box/passages") {
     TEST_CASE(
         "a passage over a bed that is read from a file has the same bits as over the bed as it "
-        "was made, and other shells have a time step of their own") {
+        "was made, and other shells have a time step of their own" *
+        doctest::skip()) { // a minute
         const TemporaryDirectory folder;
         PassageRun made(fast_locomotive(), folder.path());
         made.go();

@@ -140,7 +140,8 @@ TEST_SUITE("ensemble/model_specimen") {
     }
 
     TEST_CASE("a model of another specimen comes to rest at the same pressure and about the same "
-              "density, and displacements are counted from its own start") {
+              "density, and displacements are counted from its own start" *
+              doctest::skip()) { // a minute
         const Truth& truth = the_truth();
         const PreparedSpecimen moved = truth.model({.placement = 2e-3}),
                                round = truth.model({.spheres = 8}),
