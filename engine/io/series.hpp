@@ -47,7 +47,8 @@ template <class Sample>
 class SeriesOf : public Series {
 public:
     explicit SeriesOf(std::string name) : Series(std::move(name)) {
-        static_assert(sizeof(Sample) == columns.size() * sizeof(double), "a number has no column");
+        static_assert(sizeof(Sample) == columns.size() * sizeof(double) && all_differ(),
+                      "a number has no column, or two");
         for (const auto& c : columns) columns_.push_back({c.name, c.unit});
         values_.resize(columns.size());
     }
@@ -76,7 +77,12 @@ public:
 private:
     static constexpr auto columns = Sample::columns();
 
-    static std::size_t place_of(double Sample::*number) {
+    static constexpr bool all_differ() {
+        for (std::size_t k = 1; k < columns.size(); ++k)
+            if (place_of(columns[k].value) != k) return false;
+        return true;
+    }
+    static constexpr std::size_t place_of(double Sample::*number) {
         std::size_t k = 0;
         while (columns[k].value != number) ++k;
         return k;

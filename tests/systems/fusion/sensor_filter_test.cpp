@@ -1,5 +1,7 @@
+#include "engine/errors.hpp"
 #include "systems/fusion/sensor_filter.hpp"
 #include "tests/about.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
@@ -51,5 +53,15 @@ TEST_SUITE("fusion/sensor_filter") {
         CHECK(next.refused == 0);
         const double variance = known + left.x() * left.x();
         CHECK(next.shift.x() == about(left.x() * variance / (variance + 1e-10)).epsilon(1e-9));
+    }
+
+    TEST_CASE(
+        "a saved filter of another size is refused, and nothing is written behind its memory") {
+        SensorFilter filter(FilterSettings{});
+        Archive archive;
+        const std::vector<double> of_18(18 * 18, 1.0);
+        archive.put("filter/root", std::span<const double>(of_18));
+        CHECK(message_of<InputError>([&] { filter.load(archive, "filter"); }) ==
+              "checkpoint: filter/root: expected 144 numbers, found 324");
     }
 }
