@@ -108,6 +108,10 @@ struct ViscousWork : State<double> {
 struct RollingWork : State<double> {
     static constexpr auto name = "rolling_work", unit = "J";
 };
+/// Energy dissipated by edges that yield in the pairs that the body owns.
+struct WearWork : State<double> {
+    static constexpr auto name = "wear_work", unit = "J";
+};
 /// Energy dissipated by local damping.
 struct DampingWork : State<double> {
     static constexpr auto name = "damping_work", unit = "J";

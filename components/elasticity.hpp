@@ -1,6 +1,7 @@
 #pragma once
 
 #include "components/kinds.hpp"
+#include "components/material.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
 
@@ -13,6 +14,11 @@ namespace bris {
 struct Elasticity {
     double normal, shear, energy;
 };
+
+/// Elasticity of a contact of a row of coefficients. `radius`: m, effective; `worn`: m, radius of
+/// its edge, or Worn::never for a pair without edges.
+Elasticity elasticity_of(const LawTraits& law, const Materials& materials, Row row, double overlap,
+                         double radius, double worn);
 
 /// Effective radius (m) of a near pair: 1 / (1/r1 + 1/r2) for two spheres, r for a sphere and a
 /// boundary.

@@ -10,6 +10,7 @@
 
 namespace bris {
 
+struct EdgeRow;
 struct Elasticity;
 struct LawRow;
 struct Material;
@@ -27,7 +28,9 @@ enum class LawName : std::uint32_t {
     hertz_mindlin,
     hertz_mindlin_viscous,
     hertz_mindlin_rolling,
-    linear_bridge
+    linear_bridge,
+    linear_edges,
+    hertz_edges
 };
 
 /// A coefficient that a law reads: its name, its unit and its valid range.
@@ -63,6 +66,8 @@ struct LawTraits {
     bool dashpots; ///< dashpots, which read velocities predicted for the present instant
     bool rolling;  ///< resistance to rolling and twisting
     bool reaches;  ///< acts beyond touch once a pair has touched
+    bool edges;    ///< reads the edges of materials (Materials::edge_pairs)
+    bool wears;    ///< edges yield, so that pairs have a radius of their own (Worn)
 
     const char *normal_stiffness, *shear_stiffness; ///< names of kn and ks of its LawRow
     const char* stiffness_unit;
@@ -75,6 +80,8 @@ struct LawTraits {
     /// be expected if two equal bodies of `mass` (kg) and `radius` (m) meet at `speed` (m/s); 0 if
     /// the stiffness is constant.
     double (*overlap_to_expect)(const LawRow&, double mass, double radius, double speed);
+    /// Arm (m) of the couple of a contact with an effective radius (m); 0 without rolling.
+    double (*couple_arm)(const EdgeRow&, double radius);
     /// Converts the law's own coefficients for its kernel.
     OwnRow (*own_row)(const OwnCoefficients&);
     /// Gap between the surfaces (m) up to which the law acts on a pair that has touched; 0 for most
@@ -94,6 +101,7 @@ inline bool is_hertz(LawName law) { return traits(law).hertz; }
 inline bool has_springs(LawName law) { return traits(law).springs; }
 inline bool has_dashpots(LawName law) { return traits(law).dashpots; }
 inline bool has_rolling(LawName law) { return traits(law).rolling; }
+inline bool has_wear(LawName law) { return traits(law).wears; }
 
 /// Upper bound of the reach (m) of all pairs: the largest value over the pairs of materials at the
 /// largest effective radius (m).

@@ -17,6 +17,27 @@ double shear_compliance_modulus(const Material& m) { // G / (2 - nu)
     return m.young_modulus / (2 * (1 + m.poisson_ratio) * (2 - m.poisson_ratio));
 }
 
+double lower_above_zero(double a, double b) { return a > 0 && b > 0 ? std::min(a, b) : a + b; }
+double inverse_or_zero(double a) { return a > 0 ? 1 / a : 0; }
+
+/// `modulus`: E* of the pair, Pa.
+EdgeRow edges_of(const Material& a, const Material& b, double modulus) {
+    const double strength = lower_above_zero(a.contact_strength, b.contact_strength),
+                 angle = lower_above_zero(a.cone_half_angle, b.cone_half_angle),
+                 sine = std::sin(angle);
+    return {.yield_ratio = strength > 0 ? 0.5 * pi * strength / modulus : EdgeRow::never_yields,
+            .blunting = angle > 0 ? (1 - sine) / sine : 0,
+            .radius = a.edge_radius > 0 && b.edge_radius > 0 ? series(a.edge_radius, b.edge_radius)
+                                                             : a.edge_radius + b.edge_radius,
+            .rise = std::min(a.friction_rise, b.friction_rise),
+            .easing_pressure = inverse_or_zero(
+                lower_above_zero(a.friction_half_pressure, b.friction_half_pressure)),
+            .easing_force =
+                inverse_or_zero(lower_above_zero(a.friction_half_force, b.friction_half_force)),
+            .arm = std::min(a.couple_arm, b.couple_arm),
+            .couple_easing = inverse_or_zero(lower_above_zero(a.couple_force, b.couple_force))};
+}
+
 // each property that has a value replaces that of the mixing rules
 void apply(const PairProperties& from, double& friction, double& restitution, RollingRow& rolling) {
     friction = from.friction.value_or(friction);
@@ -30,11 +51,19 @@ auto fields(auto& m) {
                     m.shear_damping, m.restitution, m.young_modulus, m.poisson_ratio,
                     m.rolling_friction, m.twisting_friction);
 }
+auto fields_of_edges(auto& m) {
+    return std::tie(m.contact_strength, m.cone_half_angle, m.edge_radius, m.friction_rise,
+                    m.friction_half_pressure, m.friction_half_force, m.couple_arm, m.couple_force);
+}
+bool has_edges(const Material& m) {
+    return fields_of_edges(m) != std::tuple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+}
 auto fields_of_policy(auto& p) {
     return std::tie(p.tension, p.shear_history, p.patch, p.shear_dashpot, p.rolling_stiffness_ratio,
                     p.rolling_damping_ratio);
 }
 std::string path_of(std::size_t material) { return "materials/" + std::to_string(material); }
+std::string path_of_edges(std::size_t material) { return path_of(material) + "_edges"; }
 
 } // namespace
 
@@ -69,6 +98,7 @@ void Materials::mix() {
     linear_pairs.clear();
     hertz_pairs.clear();
     rolling_pairs.clear();
+    edge_pairs.clear();
     restitution.clear();
     own_pairs.assign(list.size() * list.size(), OwnRow{});
     for (const Own& o : own_)
@@ -76,8 +106,8 @@ void Materials::mix() {
     for (std::uint32_t i = 0; i < list.size(); ++i)
         for (std::uint32_t j = 0; j < list.size(); ++j) {
             const Material &a = list[i], &b = list[j];
-            double friction = std::min(a.friction, b.friction),
-                   rebound = std::sqrt(a.restitution * b.restitution);
+            const double mixed = std::min(a.friction, b.friction);
+            double friction = mixed, rebound = std::sqrt(a.restitution * b.restitution);
             RollingRow rolling{std::min(a.rolling_friction, b.rolling_friction),
                                std::min(a.twisting_friction, b.twisting_friction),
                                policy.rolling_stiffness_ratio, policy.rolling_damping_ratio};
@@ -106,6 +136,9 @@ void Materials::mix() {
             linear_pairs.push_back(linear);
             hertz_pairs.push_back(curved);
             rolling_pairs.push_back(rolling);
+            EdgeRow edges = edges_of(a, b, curved.kn);
+            if (mixed > 0) edges.rise *= friction / mixed; // of a pair with a friction of its own
+            edge_pairs.push_back(edges);
             restitution.push_back(rebound);
         }
     mix_weakened();
@@ -117,6 +150,7 @@ void Materials::weaken(std::vector<WeakenedPair> pairs) {
     linear_pairs.resize(unweakened);
     hertz_pairs.resize(unweakened);
     rolling_pairs.resize(unweakened);
+    edge_pairs.resize(unweakened);
     own_pairs.resize(unweakened);
     mix_weakened();
 }
@@ -134,12 +168,19 @@ void Materials::mix_weakened() {
         linear_pairs.push_back(weakened(linear_pairs[w.pair], w));
         hertz_pairs.push_back(weakened(hertz_pairs[w.pair], w));
         rolling_pairs.push_back(RollingRow(rolling_pairs[w.pair]));
+        // the strength falls with the modulus, so that the contact yields at the same overlap
+        EdgeRow edges = edge_pairs[w.pair];
+        edges.rise *= w.friction;
+        edge_pairs.push_back(edges);
         own_pairs.push_back(OwnRow(own_pairs[w.pair]));
     }
 }
 
 void Materials::save(Archive& archive) const {
-    for (std::size_t i = 0; i < list.size(); ++i) put_fields(archive, path_of(i), fields(list[i]));
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        put_fields(archive, path_of(i), fields(list[i]));
+        if (has_edges(list[i])) put_fields(archive, path_of_edges(i), fields_of_edges(list[i]));
+    }
     put_fields(archive, "materials/policy", fields_of_policy(policy));
     // for each pair: a, b, then for each of four properties whether it is set, and its value
     std::vector<double> numbers;
@@ -180,7 +221,13 @@ void Materials::load_own(const Archive& archive) {
 }
 
 void Materials::load(const Archive& archive) {
-    for (std::size_t i = 0; i < list.size(); ++i) get_fields(archive, path_of(i), fields(list[i]));
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        get_fields(archive, path_of(i), fields(list[i]));
+        if (archive.find(path_of_edges(i)) != nullptr)
+            get_fields(archive, path_of_edges(i), fields_of_edges(list[i]));
+        else
+            fields_of_edges(list[i]) = std::tuple(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    }
     get_fields(archive, "materials/policy", fields_of_policy(policy));
     overrides_.clear();
     const auto numbers = archive.get<double>("materials/overrides");

@@ -36,6 +36,31 @@ struct Material {
     /// Limit of the torque about the normal over effective radius and normal force, >= 0. A pair
     /// has the lower one.
     double twisting_friction = 0;
+
+    // What the edges of a rock do at a contact (components/laws/edges.hpp). A boundary has none.
+
+    /// Pa, >= 0: contact pressure at which an edge yields; 0: it does not. A pair has the lower one
+    /// of those above 0.
+    double contact_strength = 0;
+    /// rad, in [0, pi/2): half-angle of the cone that an edge is. A pair has the lower one of those
+    /// above 0.
+    double cone_half_angle = 0;
+    /// m, >= 0: radius of the unworn tip of an edge; 0: that of the spheres, or flat against a
+    /// material that has one. Two edges count in series.
+    double edge_radius = 0;
+    /// >= 0: friction at low load above `friction`. A pair has the lower one.
+    double friction_rise = 0;
+    /// Load of a contact at which half of friction_rise is left: the mean pressure (Pa, Hertz) or
+    /// the normal force (N, linear laws); >= 0, 0: it does not fall. A pair has the lower one of
+    /// those above 0.
+    double friction_half_pressure = 0, friction_half_force = 0;
+    /// m, >= 0: arm of the couple with which faces and edges resist rolling and twisting. A pair
+    /// has the lower one.
+    double couple_arm = 0;
+    /// N, >= 0: normal force at which the couple's limit is half of that in proportion to the
+    /// force, and which it approaches as the force grows; 0: it stays in proportion. A pair has the
+    /// lower one of those above 0.
+    double couple_force = 0;
 };
 
 /// Values that replace those of the mixing rules for one pair of materials.
@@ -110,6 +135,21 @@ struct alignas(32) RollingRow {
     double rolling_friction, twisting_friction, stiffness_ratio, damping_ratio;
 };
 
+/// Coefficients of the edges of one pair of materials (components/laws/edges.hpp).
+struct alignas(64) EdgeRow {
+    /// pi s / (2 E*) of the strength s: root of overlap over radius at which a contact yields.
+    double yield_ratio = never_yields;
+    double blunting = 0;        ///< (1 - sin a) / sin a of the cone's half-angle a
+    double radius = 0;          ///< m, of the unworn contact; 0: that of the spheres
+    double rise = 0;            ///< of the friction at low load
+    double easing_pressure = 0; ///< 1/Pa, 1 over the pressure at which half of the rise is left
+    double easing_force = 0;    ///< 1/N, as easing_pressure
+    double arm = 0;             ///< m, of the couple
+    double couple_easing = 0;   ///< 1/N
+
+    static constexpr double never_yields = 1e100;
+};
+
 /// Contacts of two bodies that fines weaken: factors of the coefficients that their materials have.
 struct WeakenedPair {
     std::uint32_t pair = 0;    ///< row of the pair of materials
@@ -132,6 +172,7 @@ struct Materials {
     std::vector<LawRow> linear_pairs;
     std::vector<LawRow> hertz_pairs;
     std::vector<RollingRow> rolling_pairs;
+    std::vector<EdgeRow> edge_pairs;
     std::vector<OwnRow> own_pairs;   ///< coefficients that only one law reads; otherwise 0
     std::vector<double> restitution; ///< as mixed
 

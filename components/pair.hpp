@@ -47,6 +47,37 @@ struct Roll : State<RollRow> {
     static bool keep(const RollRow& r) { return r.x != 0 || r.y != 0 || r.z != 0 || r.twist != 0; }
 };
 
+/// Radius (m) of an edge that has yielded; 0: the edge is as the material has it.
+struct Worn : State<double> {
+    static constexpr auto name = "worn", unit = "m";
+    static bool keep(double radius) { return radius > 0; }
+    /// In place of a radius: the contact has no edges that yield.
+    static constexpr double never = -1;
+};
+
+/// What the pairs of one table remember. Null: the law has no such history.
+struct PairHistory {
+    SpringRow* spring = nullptr;
+    RollRow* roll = nullptr;
+    double* worn = nullptr;
+
+    bool is_kept(Row pair) const {
+        return (spring != nullptr && Spring::keep(spring[pair])) ||
+               (worn != nullptr && Worn::keep(worn[pair]));
+    }
+    void move(Row from, Row to) const {
+        if (spring != nullptr) spring[to] = spring[from];
+        if (roll != nullptr) roll[to] = roll[from];
+        if (worn != nullptr) worn[to] = worn[from];
+        clear(from);
+    }
+    void clear(Row pair) const {
+        if (spring != nullptr) spring[pair] = {};
+        if (roll != nullptr) roll[pair] = {};
+        if (worn != nullptr) worn[pair] = 0;
+    }
+};
+
 /// Rows that belong to the names: those of the two spheres, or of the sphere and the facet or
 /// plane; the row of the partner body; and the row of the law's coefficients.
 struct PairRowNumbers {

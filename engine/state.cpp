@@ -79,6 +79,23 @@ Archive save_state(const World& world) {
     return archive;
 }
 
+void add_absent_columns(Archive& archive, const World& world) {
+    for (const auto& named : world.tables()) {
+        const Table& table = *named.table;
+        const Column* key = key_of(table);
+        const Archive::Array* keys = key == nullptr ? nullptr : archive.find(path_of(table, *key));
+        if (keys == nullptr) continue;
+        const std::size_t rows = keys->rows();
+        for (const auto& column : table.columns()) {
+            const auto& type = column->type();
+            const std::string path = path_of(table, *column);
+            if (!type.is_state || archive.find(path) != nullptr) continue;
+            archive.put({path, type.scalar, type.scalar_size, type.value_size / type.scalar_size,
+                         std::vector<std::byte>(rows * type.value_size), path_of(table, *key)});
+        }
+    }
+}
+
 void load_state(World& world, const Archive& archive) {
     for (const auto& named : world.tables()) {
         Table& table = *named.table;

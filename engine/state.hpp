@@ -14,4 +14,8 @@ Archive save_state(const World& world);
 /// scene.
 void load_state(World& world, const Archive& archive);
 
+/// Adds the State columns of a world that an archive lacks, filled with zeros: the state of a scene
+/// whose contacts had less history than those of this world.
+void add_absent_columns(Archive& archive, const World& world);
+
 } // namespace bris

@@ -37,18 +37,27 @@ inline ExtremeScene extreme_scene(std::uint64_t number) {
     materials.policy.tension = draw.uniform() < 0.5 ? Tension::allowed : Tension::cut;
     materials.policy.shear_dashpot = draw.uniform() < 0.5;
     for (int k = 0; k < 2; ++k)
-        materials.add({.name = "extreme",
-                       .density = log_uniform(1, 1e5),
-                       .normal_stiffness = stiffness * log_uniform(0.1, 10),
-                       .shear_stiffness = stiffness * draw.uniform(),
-                       .friction = draw.uniform() < 0.5 ? 0 : log_uniform(0.1, 10),
-                       .normal_damping = draw.uniform() < 0.5 ? 0 : log_uniform(1, 1e7),
-                       .shear_damping = draw.uniform() < 0.5 ? 0 : log_uniform(1, 1e7),
-                       .restitution = draw.uniform() < 0.3 ? 1 : log_uniform(1e-3, 1),
-                       .young_modulus = stiffness * log_uniform(1, 100),
-                       .poisson_ratio = 0.3,
-                       .rolling_friction = draw.uniform(),
-                       .twisting_friction = draw.uniform()});
+        materials.add(
+            {.name = "extreme",
+             .density = log_uniform(1, 1e5),
+             .normal_stiffness = stiffness * log_uniform(0.1, 10),
+             .shear_stiffness = stiffness * draw.uniform(),
+             .friction = draw.uniform() < 0.5 ? 0 : log_uniform(0.1, 10),
+             .normal_damping = draw.uniform() < 0.5 ? 0 : log_uniform(1, 1e7),
+             .shear_damping = draw.uniform() < 0.5 ? 0 : log_uniform(1, 1e7),
+             .restitution = draw.uniform() < 0.3 ? 1 : log_uniform(1e-3, 1),
+             .young_modulus = stiffness * log_uniform(1, 100),
+             .poisson_ratio = 0.3,
+             .rolling_friction = draw.uniform(),
+             .twisting_friction = draw.uniform(),
+             .contact_strength = draw.uniform() < 0.3 ? 0 : log_uniform(1e-4, 1e-1) * stiffness,
+             .cone_half_angle = draw.uniform(0.1, 1.3),
+             .edge_radius = draw.uniform() < 0.3 ? 0 : log_uniform(1e-4, 1),
+             .friction_rise = draw.uniform() < 0.5 ? 0 : log_uniform(0.1, 10),
+             .friction_half_pressure = log_uniform(1e-3, 1) * stiffness,
+             .friction_half_force = log_uniform(1e-6, 1e3),
+             .couple_arm = draw.uniform() < 0.3 ? 0 : log_uniform(1e-4, 1),
+             .couple_force = log_uniform(1e-6, 1e3)});
     const double ball = log_uniform(1e-3, 10), ratio = log_uniform(1, 100), grain = ball / ratio,
                  density = materials.list[1].density,
                  mass = 4 * density * grain * grain * grain, // of a grain
@@ -82,12 +91,12 @@ inline ExtremeScene extreme_scene(std::uint64_t number) {
             push(id, speed * draw.uniform() * draw.direction());
         }
     }
-    scene.settings = {.dt = log_uniform(1e-6, 0.1) *
-                            (speed > 0 ? grain / speed : std::sqrt(mass / stiffness)),
-                      .law = static_cast<LawName>(one_of(9)),
-                      .threads = 1 + one_of(2),
-                      .energy_budget = draw.uniform() < 0.2,
-                      .unlimited = draw.uniform() < 0.8};
+    scene.settings = {
+        .dt = log_uniform(1e-6, 0.1) * (speed > 0 ? grain / speed : std::sqrt(mass / stiffness)),
+        .law = static_cast<LawName>(one_of(static_cast<unsigned>(texts_of(LawName{}).size()))),
+        .threads = 1 + one_of(2),
+        .energy_budget = draw.uniform() < 0.2,
+        .unlimited = draw.uniform() < 0.8};
     scene.steps = 1 + one_of(4);
     return scene;
 }

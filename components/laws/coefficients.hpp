@@ -3,6 +3,9 @@
 #include "components/law.hpp"
 #include "components/material.hpp"
 
+#include <array>
+#include <numbers>
+
 namespace bris::coefficients {
 
 // Coefficients of materials, with the ranges that hold for every law. A law that needs a narrower
@@ -30,13 +33,47 @@ inline constexpr Coefficient density{
     normal_stiffness{
         .name = "normal stiffness", .unit = "N/m", .of_material = &Material::normal_stiffness},
     shear_stiffness{
-        .name = "shear stiffness", .unit = "N/m", .of_material = &Material::shear_stiffness};
+        .name = "shear stiffness", .unit = "N/m", .of_material = &Material::shear_stiffness},
+    contact_strength{
+        .name = "contact strength", .unit = "Pa", .of_material = &Material::contact_strength},
+    cone_half_angle{.name = "half-angle of the cone",
+                    .unit = "rad",
+                    .high = std::numbers::pi / 2,
+                    .high_accepted = false,
+                    .of_material = &Material::cone_half_angle},
+    edge_radius{.name = "radius of an edge", .unit = "m", .of_material = &Material::edge_radius},
+    friction_rise{
+        .name = "rise of the friction", .unit = "", .of_material = &Material::friction_rise},
+    friction_half_pressure{.name = "pressure of half the rise of the friction",
+                           .unit = "Pa",
+                           .of_material = &Material::friction_half_pressure},
+    friction_half_force{.name = "force of half the rise of the friction",
+                        .unit = "N",
+                        .of_material = &Material::friction_half_force},
+    couple_arm{.name = "arm of the couple", .unit = "m", .of_material = &Material::couple_arm},
+    couple_force{
+        .name = "force of the couple", .unit = "N", .of_material = &Material::couple_force};
 
 /// All coefficients of materials.
-inline constexpr std::array of_materials{density,           friction,       normal_damping,
-                                         shear_damping,     restitution,    rolling_friction,
-                                         twisting_friction, poisson_ratio,  young_modulus,
-                                         normal_stiffness,  shear_stiffness};
+inline constexpr std::array of_materials{density,
+                                         friction,
+                                         normal_damping,
+                                         shear_damping,
+                                         restitution,
+                                         rolling_friction,
+                                         twisting_friction,
+                                         poisson_ratio,
+                                         young_modulus,
+                                         normal_stiffness,
+                                         shear_stiffness,
+                                         contact_strength,
+                                         cone_half_angle,
+                                         edge_radius,
+                                         friction_rise,
+                                         friction_half_pressure,
+                                         friction_half_force,
+                                         couple_arm,
+                                         couple_force};
 
 /// The same coefficient with its lower bound excluded.
 constexpr Coefficient above_zero(Coefficient c) {

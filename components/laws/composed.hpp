@@ -15,9 +15,16 @@ template <class NormalPart, class Damping, class Tangential, class Rolling = NoR
 struct Law {
     using Normal = NormalPart;
     using DampingPart = Damping;
+    using RollingPart = Rolling;
     static constexpr bool has_history = Tangential::has_history;
     static constexpr bool has_dashpots = Damping::present;
     static constexpr bool has_rolling = Rolling::present;
+
+    // Redefined by a law that reads the edges of materials (EdgeRow), or whose edges wear.
+
+    static constexpr bool has_edges = false;
+    /// Pairs have a radius `worn`, which `force` takes.
+    static constexpr bool has_wear = false;
 
     // Redefined by a law that acts beyond touch or has its own coefficients for pairs of materials.
 
@@ -82,7 +89,7 @@ private:
         f.z = f.normal * c.nz;
         if constexpr (has_rolling) {
             const bool varying = Normal::varying || step.shared;
-            Rolling::torque(c, rolling, step, stiffness.shear,
+            Rolling::torque(c, k, rolling, step, stiffness.shear,
                             varying ? spring.stiffness : stiffness.shear, roll, f);
         }
         if constexpr (has_history)
@@ -118,7 +125,7 @@ private:
         const Lane stiffness = varying ? spring.stiffness : k.ks;
         lost.friction = Tangential::work_of_separation(c, step, stiffness, spring);
         if constexpr (has_rolling)
-            lost.rolling = Rolling::work_of_separation(c, rolling, step, stiffness, roll);
+            lost.rolling = Rolling::work_of_separation(c, k, rolling, step, stiffness, roll);
         return lost;
     }
 

@@ -27,7 +27,7 @@ struct RollLanes {
     Lane x, y, z, twist;
 };
 struct WorkLanes {
-    Lane friction{}, viscous{}, rolling{};
+    Lane friction{}, viscous{}, rolling{}, wear{};
 };
 
 /// Output of a law: force on the owner, its normal component, rolling torque on the owner, and the
@@ -38,9 +38,15 @@ struct ForceLanes {
     WorkLanes work;
 };
 
+/// Coefficients of EdgeRow, one contact per lane.
+struct EdgeLanes {
+    Lane yield_ratio{}, blunting{}, radius{}, rise{}, easing_pressure{}, easing_force{}, arm{},
+        couple_easing{};
+};
 /// Coefficients of LawRow, one contact per lane.
 struct CoefficientLanes {
     Lane kn, ks, friction, normal_rate, shear_rate, normal_ratio, shear_ratio;
+    EdgeLanes edges{}; ///< laws with edges
 };
 /// Coefficients of OwnRow, one contact per lane.
 struct OwnLanes {

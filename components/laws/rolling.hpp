@@ -6,24 +6,40 @@ namespace bris {
 
 struct NoRolling {
     static constexpr bool present = false;
+    static double arm_of(const EdgeRow&, double) { return 0; }
+};
+
+/// The effective radius R* as the arm of the couple, and a limit in proportion to the force.
+struct RadiusArm {
+    [[gnu::always_inline]] static Lane arm(const ContactLanes& c, const CoefficientLanes&) {
+        return c.radius;
+    }
+    [[gnu::always_inline]] static Lane force(const CoefficientLanes&, Lane normal) {
+        return normal;
+    }
+    static double arm_of(const EdgeRow&, double radius) { return radius; }
 };
 
 /// Resistance to rolling and to twisting by two elastic-plastic springs with their own limits and
 /// histories, each with a dashpot while it sticks (model C of Ai, Chen, Rotter and Ooi 2011; Luding
-/// 2008). The stretches (m) are displacements of the surfaces at the rates R* (w x n) for rolling
-/// and R* (w . n) for twisting. The torque limits are rolling_friction and twisting_friction times
-/// R* times the normal force.
-struct RollingSprings {
+/// 2008). The stretches (m) are displacements at the rates l (w x n) for rolling and l (w . n) for
+/// twisting, with the arm l, usually R*. The torque limits are rolling_friction and
+/// twisting_friction times the arm times a force, usually the normal force.
+template <class Arm>
+struct RollingSpringsOf {
     static constexpr bool present = true;
+    /// Arm (m) of the couple of a contact of that effective radius (m).
+    static double arm_of(const EdgeRow& edges, double radius) { return Arm::arm_of(edges, radius); }
 
-    [[gnu::always_inline]] static void torque(const ContactLanes& c, const RollingLanes& k,
-                                              const LawStep& step, Lane shear_stiffness,
-                                              Lane old_shear_stiffness, RollLanes& roll,
-                                              ForceLanes& f) {
+    [[gnu::always_inline]] static void torque(const ContactLanes& c,
+                                              const CoefficientLanes& coefficients,
+                                              const RollingLanes& k, const LawStep& step,
+                                              Lane shear_stiffness, Lane old_shear_stiffness,
+                                              RollLanes& roll, ForceLanes& f) {
         SpringLanes old{roll.x, roll.y, roll.z, k.stiffness_ratio * old_shear_stiffness};
         turn_with_pair(c, step.dt, old.x, old.y, old.z);
-        const Lane ks = k.stiffness_ratio * shear_stiffness, radius = c.radius,
-                   force = max(f.normal, lanes(0));
+        const Lane ks = k.stiffness_ratio * shear_stiffness, radius = Arm::arm(c, coefficients),
+                   force = Arm::force(coefficients, max(f.normal, lanes(0)));
         // The spring keeps its force while the stiffness grows, and its stretch while the stiffness
         // shrinks; so it never creates energy.
         const Lane kept = ks > 0.0 ? min(old.stiffness / ks, lanes(1)) : lanes(0),
@@ -71,8 +87,8 @@ struct RollingSprings {
 
     /// Work (J) of a contact that has ended in the last step, as CoulombSpring::work_of_separation.
     /// `shear_stiffness`: N/m, one step ago.
-    static Lane work_of_separation(const ContactLanes& c, const RollingLanes& k,
-                                   const LawStep& step, Lane shear_stiffness,
+    static Lane work_of_separation(const ContactLanes& c, const CoefficientLanes& coefficients,
+                                   const RollingLanes& k, const LawStep& step, Lane shear_stiffness,
                                    const RollLanes& roll) {
         Lane x = roll.x, y = roll.y, z = roll.z;
         turn_with_pair(c, step.dt, x, y, z);
@@ -80,12 +96,13 @@ struct RollingSprings {
                            z * (c.wx * c.ny - c.wy * c.nx),
                    twisting = roll.twist * (c.wx * c.nx + c.wy * c.ny + c.wz * c.nz);
         const auto released = [&](Lane stretch2, Lane rate) {
-            return max(stretch2 + step.dt * c.radius * rate, lanes(0));
+            return max(stretch2 + step.dt * Arm::arm(c, coefficients) * rate, lanes(0));
         };
         return 0.5 * k.stiffness_ratio * shear_stiffness *
                (released(x * x + y * y + z * z, along) +
                 released(roll.twist * roll.twist, twisting));
     }
 };
+using RollingSprings = RollingSpringsOf<RadiusArm>;
 
 } // namespace bris

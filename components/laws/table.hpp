@@ -1,11 +1,13 @@
 #pragma once
 
+#include "components/laws/hertz_edges.hpp"
 #include "components/laws/hertz_frictionless.hpp"
 #include "components/laws/hertz_mindlin.hpp"
 #include "components/laws/hertz_mindlin_rolling.hpp"
 #include "components/laws/hertz_mindlin_viscous.hpp"
 #include "components/laws/linear.hpp"
 #include "components/laws/linear_bridge.hpp"
+#include "components/laws/linear_edges.hpp"
 #include "components/laws/linear_frictionless.hpp"
 #include "components/laws/linear_rolling.hpp"
 #include "components/laws/linear_viscous.hpp"
@@ -18,7 +20,8 @@ struct LawList {};
 /// All contact laws, in the order of LawName. A new law needs its own file, a name in LawName and
 /// an entry here.
 using Laws = LawList<LinearFrictionless, Linear, LinearViscous, LinearRolling, HertzFrictionless,
-                     HertzMindlin, HertzMindlinViscous, HertzMindlinRolling, LinearBridge>;
+                     HertzMindlin, HertzMindlinViscous, HertzMindlinRolling, LinearBridge,
+                     LinearEdges, HertzEdges>;
 
 namespace detail {
 

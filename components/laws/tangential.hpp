@@ -42,12 +42,22 @@ inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, L
     z = scale * rz;
 }
 
+/// Coulomb's limit with a constant coefficient.
+struct ConstantFriction {
+    template <class Normal>
+    [[gnu::always_inline]] static Lane limit(const ContactLanes&, const CoefficientLanes& k,
+                                             Lane normal) {
+        return k.friction * normal;
+    }
+};
+
 /// Tangential spring with Coulomb's limit. There is no friction under tension and no dashpot while
 /// the contact slides. The spring is stretched by the displacement of the leapfrog in the last
 /// step; with velocities predicted from the last acceleration, its oscillations would grow by
 /// (omega dt)^4 / 8 per step. Where the stiffness varies (Mindlin), the force follows it as
 /// ShearHistory says, with the mean stiffness of each step. Order of accuracy: second in dt.
-struct CoulombSpring {
+template <class Friction>
+struct CoulombSpringOf {
     static constexpr bool has_history = true;
 
     template <class Normal, class Damping>
@@ -77,7 +87,7 @@ struct CoulombSpring {
         spring = trial;
         if (!varying) spring.stiffness = lanes(1);
 
-        const Lane limit = k.friction * max(f.normal, lanes(0)),
+        const Lane limit = Friction::template limit<Normal>(c, k, max(f.normal, lanes(0))),
                    size2 = stiffness.shear * stiffness.shear * squared(trial);
         const LaneMask slides = size2 > limit * limit;
         if (bits(slides) != 0) { // shortens the stretch to that of the largest friction force
@@ -160,5 +170,6 @@ struct CoulombSpring {
         return 0.5 * stiffness * max(squared(old) + step.dt * along, lanes(0));
     }
 };
+using CoulombSpring = CoulombSpringOf<ConstantFriction>;
 
 } // namespace bris

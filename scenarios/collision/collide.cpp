@@ -5,6 +5,7 @@
 #include "engine/random.hpp"
 #include "scenarios/collision/impact.hpp"
 #include "scenarios/specimens/small_scene.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/fusion/fuse.hpp"
 
 #include <fmt/format.h>
@@ -53,15 +54,6 @@ double kinetic_energy(const Collide& s, World& world) {
     double sum = 0;
     for (EntityId b = 0; b < s.balls; ++b) sum += free_kinetic_energy(world, b);
     return sum;
-}
-
-double dissipated(const World& world) {
-    const Table& bodies = world.table<Bodies>();
-    if (!bodies.has<FrictionWork>()) return 0;
-    const auto rows = rows_by_id(bodies.column<BodyId>());
-    return sum_by_id(rows, bodies.column<FrictionWork>()) +
-           sum_by_id(rows, bodies.column<ViscousWork>()) +
-           sum_by_id(rows, bodies.column<RollingWork>());
 }
 
 std::vector<Vec3> velocities(const Collide& s, World& world) {
@@ -164,8 +156,8 @@ CollideResult run_experiment(const Collide& s) {
     r.accepted = fused.world().column<Sensors, Accepted>()[0];
     r.refused = fused.world().column<Sensors, Refused>()[0];
     r.fusion_work = fusion_work(fused.world());
-    r.energy_error = kinetic_energy(s, fused.world()) - energy_before + dissipated(fused.world()) -
-                     r.fusion_work;
+    r.energy_error = kinetic_energy(s, fused.world()) - energy_before +
+                     dissipated_in_contacts(fused.world()) - r.fusion_work;
     return r;
 }
 

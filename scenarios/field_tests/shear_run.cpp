@@ -11,6 +11,7 @@
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/broadphase/lists.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/fields/fouling.hpp"
 #include "systems/loads/table.hpp"
@@ -73,8 +74,7 @@ Energies energies_of(const World& world, const Quantities& q) {
     const ElementWork elements = work_of_elements(world);
     e.put_in = sum_by_id(rows, bodies.column<BoundaryWork>()) + elements.done +
                sum_by_id(rows, bodies.column<ScalingWork>());
-    e.lost = sum_by_id(rows, bodies.column<FrictionWork>()) +
-             sum_by_id(rows, bodies.column<ViscousWork>()) + elements.lost;
+    e.lost = dissipated_in_contacts(world) + elements.lost;
     e.stored = q.elastic_energy + q.kinetic_energy;
     const auto mass = bodies.column<Mass>();
     const auto position = bodies.column<Position>();

@@ -19,7 +19,7 @@ constexpr std::array same_settings{"bodies",
                                    "density_kg_per_m3",
                                    "clump_stiffness_N_per_m",
                                    "wall_stiffness_N_per_m",
-                                   "hertz",
+                                   "law",
                                    "platen_friction",
                                    "taps",
                                    "preparation_friction",
@@ -28,11 +28,14 @@ constexpr std::array same_settings{"bodies",
 /// The same for specimens with Hertz-Mindlin contacts. Others may be of a version that had no such
 /// settings.
 constexpr std::array same_settings_of_hertz{"young_modulus_Pa", "poisson_ratio"};
+constexpr std::array same_settings_of_edges{
+    "friction_rise",  "friction_half_pressure_Pa", "friction_half_force_N", "couple_arm_m",
+    "couple_force_N", "contact_strength_Pa",       "cone_half_angle_rad",   "edge_radius_m"};
 
 std::string text_of(std::span<const NamedValue> settings, const std::string& key) {
     const auto found = std::ranges::find(settings, key, &NamedValue::key);
     if (found == settings.end()) // libraries from before there was another law are linear
-        return key == "hertz" ? "false" : "none";
+        return key == "law" ? "linear" : "none";
     return found->text();
 }
 
@@ -63,8 +66,10 @@ std::size_t pressure_index(const SpecimenLibrary& library, double pressure) {
 
 std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& model) {
     std::string other = difference(library.settings, model.settings, same_settings);
-    if (other.empty() && text_of(library.settings, "hertz") == "true")
+    if (other.empty() && text_of(library.settings, "law").starts_with("hertz"))
         other = difference(library.settings, model.settings, same_settings_of_hertz);
+    if (other.empty() && text_of(library.settings, "law").ends_with("edges"))
+        other = difference(library.settings, model.settings, same_settings_of_edges);
     if (!other.empty()) return other;
     if (pressure_index(library, model.pressure) == library.pressures.size()) {
         std::string all;

@@ -19,7 +19,7 @@ namespace py = pybind11;
 
 namespace {
 
-constexpr std::array<std::pair<const char*, double Material::*>, 11> properties{
+constexpr std::array<std::pair<const char*, double Material::*>, 19> properties{
     {{"density", &Material::density},
      {"normal_stiffness", &Material::normal_stiffness},
      {"shear_stiffness", &Material::shear_stiffness},
@@ -30,7 +30,15 @@ constexpr std::array<std::pair<const char*, double Material::*>, 11> properties{
      {"young_modulus", &Material::young_modulus},
      {"poisson_ratio", &Material::poisson_ratio},
      {"rolling_friction", &Material::rolling_friction},
-     {"twisting_friction", &Material::twisting_friction}}};
+     {"twisting_friction", &Material::twisting_friction},
+     {"contact_strength", &Material::contact_strength},
+     {"cone_half_angle", &Material::cone_half_angle},
+     {"edge_radius", &Material::edge_radius},
+     {"friction_rise", &Material::friction_rise},
+     {"friction_half_pressure", &Material::friction_half_pressure},
+     {"friction_half_force", &Material::friction_half_force},
+     {"couple_arm", &Material::couple_arm},
+     {"couple_force", &Material::couple_force}}};
 
 constexpr std::array<std::pair<const char*, double FilterSettings::*>, 9> filter_settings{
     {{"position", &FilterSettings::position},

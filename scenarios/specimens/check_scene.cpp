@@ -3,6 +3,7 @@
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/laws/coefficients.hpp"
+#include "components/laws/edges.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
@@ -93,6 +94,12 @@ void check_pair(const Materials& materials, std::uint32_t a, std::uint32_t b, La
     const OwnCoefficients own = materials.own(law, a, b);
     for (std::size_t k = 0; k < t.of_pairs.size(); ++k)
         expect(whose, t.of_pairs[k].name, own[k], range_of(t.of_pairs[k]), t.of_pairs[k].unit);
+    if (const EdgeRow& edges = materials.edge_pairs[pair]; t.wears && !damage_is_passive(edges))
+        throw InputError(fmt::format(
+            "{}: conical damage: expected (pi strength / (2 E*))^2 below 5 (1 - sin a) / sin a of "
+            "the cone's half-angle a, as the contact would create energy otherwise, found {:.3g} "
+            "and {:.3g}",
+            whose, edges.yield_ratio * edges.yield_ratio, 5 * edges.blunting));
     if (!t.rolling) return;
     expect(whose, "rolling friction", materials.rolling_pairs[pair].rolling_friction, at_least(0),
            "");

@@ -35,11 +35,17 @@ std::uint32_t add_shell(Materials& materials, const SpecimenSettings& s, std::ui
 
 } // namespace
 
-void set_elastic_constants(Materials& materials, const SpecimenSettings& s) {
-    for (Material& m : materials.list) {
-        m.young_modulus = s.young_modulus;
-        m.poisson_ratio = s.poisson_ratio;
-    }
+void give_constants_of_law(World& world, const SpecimenSettings& s) {
+    auto& materials = world.resource<Materials>();
+    const auto& specimen = world.resource<Specimen>();
+    if (is_hertz(s.law))
+        for (Material& m : materials.list) {
+            m.young_modulus = s.young_modulus;
+            m.poisson_ratio = s.poisson_ratio;
+        }
+    if (traits(s.law).edges)
+        for (const auto rock : {specimen.rock_material, specimen.sensor_material})
+            s.edges.give_to(materials.list[rock]);
     materials.mix();
 }
 
@@ -62,7 +68,6 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
                        s.platen_friction < 0 ? s.friction : s.platen_friction});
     specimen.membrane_material =
         materials.add({"membrane", 0, s.wall_stiffness, s.wall_stiffness, 0});
-    if (s.hertz) set_elastic_constants(materials, s);
     specimen.sensor_material = add_shell(materials, s, specimen.rock_material);
     specimen.sensor_friction = s.sensor_friction;
     specimen.platen_friction = s.platen_friction;
@@ -106,6 +111,7 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     world.add_resource(LocalDamping{0.7});
     world.add_resource(Gravity{});
     world.add_resource(std::move(specimen));
+    give_constants_of_law(world, s);
     return world;
 }
 

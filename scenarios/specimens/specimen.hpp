@@ -4,6 +4,7 @@
 #include "components/material.hpp"
 #include "engine/world.hpp"
 #include "scenarios/rocks/grading.hpp"
+#include "scenarios/specimens/rock_edges.hpp"
 #include "scenarios/specimens/sensor_rocks.hpp"
 
 #include <vector>
@@ -20,10 +21,11 @@ struct SpecimenSettings {
     double friction = 0.7;            ///< Coulomb coefficient, rock on rock and rock on platen
     double clump_stiffness = 0.63e8;  ///< N/m, normal and shear, of one partner
     double wall_stiffness = 1e8;      ///< N/m
-    /// Contacts of the test are Hertz-Mindlin, with the elastic constants of all partners. The
-    /// specimen is prepared with linear contacts all the same, and the stiffnesses above give the
-    /// masses of servos and the least masses of rocks.
-    bool hertz = false;
+    /// Contact law of the test. Hertz laws take the elastic constants of all partners. The specimen
+    /// is prepared with linear contacts all the same, and the stiffnesses above give the masses of
+    /// servos and the least masses of rocks.
+    LawName law = LawName::linear;
+    RockEdges edges = {};
     double young_modulus = 7e10, poisson_ratio = 0.2; ///< Pa, -
     double looseness = 1.3;        ///< height of the mould when filled, relative to the wanted one
     double smartrock_size = 0.038; ///< m, sieve size
@@ -49,8 +51,9 @@ struct Specimen {
     std::vector<double> scale; ///< by body id, from the size in the library to full size
 };
 
-/// Gives all materials the elastic constants of Hertz contacts.
-void set_elastic_constants(Materials& materials, const SpecimenSettings& settings);
+/// Gives the materials of a specimen the constants that the law of the test reads and linear
+/// contacts do not: of Hertz contacts, and the edges of rocks and sensor rocks.
+void give_constants_of_law(World& world, const SpecimenSettings& settings);
 
 /// Radius (m) of a specimen with height twice the diameter that contains this solid volume (m3) at
 /// the given porosity; the cross-section is the polygon of the membrane.

@@ -92,7 +92,8 @@ MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings&
                            const Common& common, const ReportProgress& report,
                            const std::function<void(Simulation&, TriaxialTest&)>& begin) {
     TriaxialScene scene = of_test;
-    scene.specimen.hertz = false; // rocks that grow overlap so deeply that Hertz contacts explode
+    scene.specimen.law =
+        LawName::linear; // rocks that grow overlap so deeply that Hertz contacts explode
     const Common of_specimen = common_of_specimen(common);
     Simulation simulation = make_simulation(scene, common.threads, common.serial);
     TriaxialTest test(simulation, settings);

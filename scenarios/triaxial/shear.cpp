@@ -6,6 +6,7 @@
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/triaxial/specimen_state.hpp"
 #include "scenarios/triaxial/triaxial.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/porosity.hpp"
@@ -94,7 +95,7 @@ void TriaxialTest::add_stage() {
                                 world.resource<Gravity>().value.dot(bodies.column<Position>()[r]);
     p[kinetic_energy] = q.kinetic_energy;
     p[boundary_work] = sum_by_id(rows, bodies.column<BoundaryWork>());
-    p[friction_work] = sum_by_id(rows, bodies.column<FrictionWork>());
+    p[friction_work] = dissipated_in_contacts(world);
     p[damping_work] = sum_by_id(rows, bodies.column<DampingWork>());
     p[scaling_work] = sum_by_id(rows, bodies.column<ScalingWork>());
     p[steps] = static_cast<double>(s.phase_steps);

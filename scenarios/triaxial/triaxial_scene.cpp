@@ -5,6 +5,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/memory.hpp"
+#include "engine/state.hpp"
 #include "scenarios/records/recorded_test.hpp"
 #include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
@@ -90,6 +91,10 @@ void check_test(const Triaxial& t) {
             fmt::format(
                 "--final-axial-strain: expected a multiple of --stage-strain, found {:g} and {:g}",
                 t.test.final_axial_strain, t.test.stage_strain));
+    require(traits(t.specimen.law).of_pairs.empty(),
+            fmt::format("--law: expected a law without coefficients of pairs, found {}",
+                        traits(t.specimen.law).name));
+    require_edges_are_read(t.specimen.edges, t.specimen.law);
     require(t.test.move_steps % ramp_parts == 0,
             fmt::format("--move-steps: expected a multiple of {}, found {}", ramp_parts,
                         t.test.move_steps));
@@ -163,11 +168,10 @@ void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,
 
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {
     World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
-    Simulation simulation =
-        start(std::move(world), {.law = s.specimen.hertz ? LawName::hertz_mindlin : LawName::linear,
-                                 .threads = threads,
-                                 .schedule = {.serial = serial},
-                                 .energy_budget = true});
+    Simulation simulation = start(std::move(world), {.law = s.specimen.law,
+                                                     .threads = threads,
+                                                     .schedule = {.serial = serial},
+                                                     .energy_budget = true});
     simulation.world().add_resource<TriaxialState>();
     return simulation;
 }
@@ -183,10 +187,12 @@ void forget_springs(World& world) {
 } // namespace
 
 void restore_specimen(Simulation& simulation, const TriaxialScene& scene, const Archive& specimen) {
-    simulation.restore(specimen);
-    if (!scene.specimen.hertz) return;
     World& world = simulation.world();
-    set_elastic_constants(world.resource<Materials>(), scene.specimen);
+    Archive state = specimen;
+    add_absent_columns(state, world);
+    simulation.restore(state);
+    give_constants_of_law(world, scene.specimen);
+    if (!is_hertz(scene.specimen.law)) return;
     forget_springs<SpherePairs>(world);
     forget_springs<PlanePairs>(world);
     forget_springs<MembranePairs>(world);

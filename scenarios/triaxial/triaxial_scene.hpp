@@ -123,16 +123,15 @@ struct Triaxial {
         option("wall_stiffness", specimen.wall_stiffness, "N/m",
                "Contact stiffness of platens and membrane, as one of two partners.",
                above(0, 1e15).usually(1e5, 1e12));
-        option(
-            "hertz", specimen.hertz, "",
-            "From consolidation on contacts are Hertz-Mindlin, with the elastic constants below. "
-            "The specimen is prepared with linear contacts all the same. Otherwise contacts stay "
-            "linear.");
+        option("law", specimen.law, "",
+               "Contact law from consolidation on. The specimen is prepared with linear contacts, "
+               "whatever it is.");
         option("young_modulus", specimen.young_modulus, "Pa",
-               "Young's modulus of rocks, platens and membrane for --hertz.",
+               "Young's modulus of rocks, platens and membrane for Hertz laws.",
                above(0, 1e13).usually(1e8, 5e11));
         option("poisson_ratio", specimen.poisson_ratio, "",
-               "Poisson ratio of rocks, platens and membrane for --hertz.", within(0, 0.5));
+               "Poisson ratio of rocks, platens and membrane for Hertz laws.", within(0, 0.5));
+        specimen.edges.declare_options(option);
         option("damping", test.damping, "", "Coefficient of local damping.", within(0, 0.95));
         option.group("Numerics");
         option("safety", test.safety, "", "Time step as a fraction of the stable step.",
@@ -173,8 +172,8 @@ void require_memory_for(const Triaxial& settings, unsigned worlds, std::uint64_t
 /// filling begins.
 Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool serial);
 
-/// Restores a prepared specimen, whose contacts are linear, in a simulation of its scene. Where the
-/// contacts of the test are Hertz-Mindlin, they begin without tangential force.
+/// Restores a prepared specimen, whose contacts are linear, in a simulation of its scene. Hertz
+/// contacts begin without tangential force.
 void restore_specimen(Simulation& simulation, const TriaxialScene& scene, const Archive& specimen);
 
 /// Refuses --friction where the model's friction is estimated. Throws InputError.

@@ -24,6 +24,8 @@ void add_pair_tables(World& world, LawName law) {
     pairs.add<PairRows>();
     if (has_springs(law)) pairs.add<Spring>();
     if (has_rolling(law)) pairs.add<Roll>();
+    // a membrane is too soft to blunt an edge
+    if (has_wear(law) && !std::is_same_v<Pairs, MembranePairs>) pairs.add<Worn>();
     Table& near = world.table<typename Pairs::Near>();
     near.add<NearPair>();
     near.add<PartnerSum>();

@@ -10,7 +10,7 @@
 
 namespace bris::detail {
 
-/// History of a pair table (Spring or Roll) by name, kept while the table is rebuilt.
+/// History of a pair table (Spring, Roll or Worn) by name, kept while the table is rebuilt.
 template <class History>
 class Kept {
 public:
@@ -94,6 +94,7 @@ void replace_pairs(World& world, const ChunkLists<Entry>& found, const std::vect
     const std::size_t count = ids.empty() ? 0 : std::size_t{*std::ranges::max_element(ids)} + 1;
     const Kept<Spring> springs(table, count);
     const Kept<Roll> rolls(table, count);
+    const Kept<Worn> worn(table, count);
     table.resize(0);
     table.resize(found.size());
     const auto names = table.column<PairKey>();
@@ -106,6 +107,7 @@ void replace_pairs(World& world, const ChunkLists<Entry>& found, const std::vect
     world.resource<Candidates<Pairs>>().first = first;
     give_back(table, springs, first);
     give_back(table, rolls, first);
+    give_back(table, worn, first);
 }
 
 } // namespace bris::detail

@@ -16,19 +16,18 @@ namespace bris {
 
 namespace {
 
-/// Clears the springs of pairs that are no longer near. Of old candidates, only those that were
+/// Clears the history of pairs that are no longer near. Of old candidates, only those that were
 /// near can have any.
 template <class Pairs, class Near>
 void forget_separated(World& world, Near&& near_bits) {
     Table& pairs = world.table<Pairs>();
     if (!pairs.has<Spring>()) return;
     const auto rows = pairs.column<PairRows>();
-    const auto spring = pairs.column<Spring>();
-    RollRow* roll = pairs.has<Roll>() ? pairs.column<Roll>().data() : nullptr;
+    const PairHistory history{pairs.column<Spring>().data(),
+                              pairs.has<Roll>() ? pairs.column<Roll>().data() : nullptr,
+                              pairs.has<Worn>() ? pairs.column<Worn>().data() : nullptr};
     const auto forget_if_separated = [&](Row pair) {
-        if (!Spring::keep(spring[pair]) || near_bits(&rows[pair], 1u) != 0) return;
-        spring[pair] = {};
-        if (roll != nullptr) roll[pair] = {};
+        if (history.is_kept(pair) && near_bits(&rows[pair], 1u) == 0) history.clear(pair);
     };
     const auto& state = world.resource<ListState>();
     if (state.last_rebuild == world.resource<Clock>().step)

@@ -7,7 +7,7 @@ namespace bris {
 
 /// Optional work of the contact systems.
 struct StepChoices {
-    /// Record the work dissipated by friction, dashpots and rolling for each near pair.
+    /// Record the work dissipated by friction, dashpots, rolling and wear for each near pair.
     bool energy_budget = false;
     /// Must be that of the scene's ContactPolicy.
     PatchStiffness patch = PatchStiffness::per_sphere;

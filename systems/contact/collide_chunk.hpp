@@ -33,7 +33,7 @@ inline unsigned ended(const TileTarget& to, Row first, unsigned apart) {
     unsigned found = 0;
     for (; apart != 0; apart &= apart - 1) {
         const auto q = static_cast<Row>(__builtin_ctz(apart));
-        if (Spring::keep(to.spring[to.near[first + q].pair])) found |= 1u << q;
+        if (Spring::keep(to.history.spring[to.near[first + q].pair])) found |= 1u << q;
     }
     return found;
 }
@@ -86,9 +86,11 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
         const unsigned apart = flags[group] & ~now;
         flags[group] = static_cast<std::uint8_t>(now);
         now = sleepers.asked(group, row, now);
-        if constexpr (Law::corrects_end && !Law::has_reach)
-            now |= ended(to, row, apart); // the law clears their springs
-        else if (apart != 0 && Law::has_history && !Law::has_reach && to.work.friction != nullptr)
+        if constexpr (Law::corrects_end && !Law::has_reach) {
+            const unsigned just_ended = ended(to, row, apart); // the law clears their springs
+            if constexpr (Law::has_wear) forget(to, row, apart & ~just_ended);
+            now |= just_ended;
+        } else if (apart != 0 && Law::has_history && !Law::has_reach && to.work.friction != nullptr)
             now |= separate(to, row, apart, separated);
         else
             forget(to, row, apart);

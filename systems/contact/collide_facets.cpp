@@ -47,7 +47,7 @@ double reach_of(const TileTarget& to, const NearRows& rows, double radius) {
     if constexpr (Law::has_reach)
         for (const Row row : rows) {
             const NearEntry& near = to.near[row];
-            if (Spring::keep(to.spring[near.pair]))
+            if (Spring::keep(to.history.spring[near.pair]))
                 beyond = std::max(beyond, Law::reach(to.own[near.law], radius));
         }
     return radius + beyond;
@@ -150,16 +150,15 @@ private:
 void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
     const auto pair_of = [&](const Reached& r) { return to.near[r.row].pair; };
     for (const Reached& left : run) {
-        if (left.counts || !Spring::keep(to.spring[pair_of(left)])) continue;
+        if (left.counts || !to.history.is_kept(pair_of(left))) continue;
         const Reached* heir = nullptr;
         for (const Reached& r : run)
-            if (r.counts && !Spring::keep(to.spring[pair_of(r)]) &&
+            if (r.counts && !to.history.is_kept(pair_of(r)) &&
                 (heir == nullptr ||
                  (r.point - left.point).squaredNorm() < (heir->point - left.point).squaredNorm()))
                 heir = &r;
         if (heir == nullptr) return;
-        to.spring[pair_of(*heir)] = std::exchange(to.spring[pair_of(left)], {});
-        if (to.roll != nullptr) to.roll[pair_of(*heir)] = std::exchange(to.roll[pair_of(left)], {});
+        to.history.move(pair_of(left), pair_of(*heir));
     }
 }
 
@@ -246,7 +245,7 @@ private:
             reached_of<Law>(s_, to_, rows, many.empty() ? std::span<Reached>(few) : many);
         const double radius = s_.movers.sphere_row[to_.near[rows[0]].owner].radius;
         Choice(s_, to_, run, radius).make();
-        if (to_.spring != nullptr) hand_over_springs(to_, run);
+        if (to_.history.spring != nullptr) hand_over_springs(to_, run);
         if constexpr (Law::has_reach) { // surfaces that are apart count only while the law acts
             for (Reached& r : run)
                 r.counts = r.counts && (r.distance < radius ||
@@ -277,7 +276,7 @@ private:
         if constexpr (Law::has_history && !Law::has_reach) {
             const Row pair = to_.near[row].pair;
             if ((Law::corrects_end || to_.work.friction != nullptr) &&
-                Spring::keep(to_.spring[pair])) {
+                Spring::keep(to_.history.spring[pair])) {
                 const SphereRow& p = s_.movers.sphere_row[to_.near[row].owner];
                 const Nearest n = detail::nearest_on_mesh_facet(facet(row), Vec3(p.x, p.y, p.z));
                 if (n.distance > radius) {

@@ -17,12 +17,16 @@ namespace detail {
 template <class L, class... Share, class Make>
 System make_system_of(bool energy_budget, Make&& make) {
     using Near = Columns<Share...>;
-    using Work = Columns<FrictionWork, ViscousWork, RollingWork>;
+    using Work =
+        std::conditional_t<L::has_wear, Columns<FrictionWork, ViscousWork, RollingWork, WearWork>,
+                           Columns<FrictionWork, ViscousWork, RollingWork>>;
     const auto make_with = [&]<class Pairs>() {
         return energy_budget ? make.template operator()<L, Near, Pairs, Work>()
                              : make.template operator()<L, Near, Pairs, Columns<>>();
     };
-    if constexpr (L::has_rolling)
+    if constexpr (L::has_wear)
+        return make_with.template operator()<Columns<Spring, Roll, Worn>>();
+    else if constexpr (L::has_rolling)
         return make_with.template operator()<Columns<Spring, Roll>>();
     else if constexpr (L::has_history)
         return make_with.template operator()<Columns<Spring>>();

@@ -8,4 +8,8 @@ namespace bris {
 /// (add_lists).
 void add_energy_budget(World& world);
 
+/// Energy (J) that contacts have dissipated since the start, by friction, dashpots, rolling and
+/// edges that yield; 0 without an energy budget.
+double dissipated_in_contacts(const World& world);
+
 } // namespace bris

@@ -34,16 +34,11 @@ struct Touch {
     bool between_free_bodies;
 };
 
+/// `arm`: m, of the couple.
 Touch touch_of(const LawTraits& traits, const LawRow& law, const Elasticity& e, double inverse_mass,
-               double rolling_ratio, double radius) {
-    Touch t{e.normal,
-            e.shear,
-            traits.rolling ? rolling_ratio * e.shear * radius * radius : 0,
-            0,
-            0,
-            Vec3::Zero(),
-            Vec3::UnitZ(),
-            false};
+               double rolling_ratio, double arm) {
+    Touch t{e.normal,      e.shear, rolling_ratio * e.shear * arm * arm, 0, 0, Vec3::Zero(),
+            Vec3::UnitZ(), false};
     if (!traits.dashpots || !(inverse_mass > 0)) return t;
     const double mass = 1 / inverse_mass;
     t.normal_damping = law.normal_rate * mass + law.normal_ratio * std::sqrt(e.normal * mass);
@@ -68,9 +63,8 @@ public:
         // one step later than the contact records: they differ by the motion of one step
         sphere_row_ = world.column<Listed, ListedPosition>();
         body_ = world.column<Listed, ListedBody>();
-        const auto& materials = world.resource<Materials>();
-        laws_ = law_.rows(materials);
-        rolling_ratio_ = materials.policy.rolling_stiffness_ratio;
+        materials_ = &world.resource<Materials>();
+        if (world.table<Pairs>().template has<Worn>()) worn_ = world.column<Pairs, Worn>();
         const Table& near = world.table<typename Pairs::Near>();
         if (near.template has<PatchShare>()) share_ = near.template column<PatchShare>();
     }
@@ -87,15 +81,17 @@ private:
         const Row owner = body_[entry_[k].owner];
         const Vec3 point(force_[k].px, force_[k].py, force_[k].pz);
         const double radius = effective_radius<Pairs>(entry_[k], sphere_row_);
-        const LawRow& row = laws_[pair.law];
         // a force beyond touch is no spring; such a pair counts as a contact of zero overlap
-        Elasticity e = law_.elasticity(row, std::max(force_[k].overlap, 0.0), radius);
+        Elasticity e = elasticity_of(law_, *materials_, pair.law, force_[k].overlap, radius,
+                                     worn_.empty() ? Worn::never : worn_[entry_[k].pair]);
         if (!share_.empty()) e = {share_[k] * e.normal, share_[k] * e.shear, share_[k] * e.energy};
         const auto inverse_mass = [&](Row of) {
             return motion_[of] == free_motion ? 1 / mass_[of] : 0;
         };
-        Touch t = touch_of(law_, row, e, inverse_mass(owner) + inverse_mass(pair.partner_body),
-                           rolling_ratio_, radius);
+        Touch t = touch_of(law_, law_.rows(*materials_)[pair.law], e,
+                           inverse_mass(owner) + inverse_mass(pair.partner_body),
+                           materials_->policy.rolling_stiffness_ratio,
+                           law_.couple_arm(materials_->edge_pairs[pair.law], radius));
         t.arm = point - position_[b];
         // the contact point lies on the normal through the centre of the owner's sphere
         t.direction = (Vec3(p.x, p.y, p.z) - point).normalized();
@@ -110,12 +106,11 @@ private:
     std::span<const ForceRow> force_;
     std::span<const PairRowNumbers> rows_;
     std::span<const Vec3> position_;
-    std::span<const double> mass_, share_;
+    std::span<const double> mass_, share_, worn_;
     std::span<const std::uint32_t> motion_;
     std::span<const SphereRow> sphere_row_;
     std::span<const Row> body_;
-    std::span<const LawRow> laws_;
-    double rolling_ratio_ = 0;
+    const Materials* materials_ = nullptr;
 };
 
 /// The contacts of all kinds, and the springs of force elements.
@@ -248,17 +243,25 @@ double stable_step_of_first_contact(const World& world) {
     const auto& materials = world.resource<Materials>();
     const bool spheres = bodies.has<SphereInertia>();
     // fines only soften contacts, so the pairs of materials suffice
-    const std::span clean(law.rows(materials).data(), materials.pairs_of_materials());
     double fastest = 0, step = std::numeric_limits<double>::infinity();
     for (const Vec3& v : bodies.column<Velocity>()) fastest = std::max(fastest, v.norm());
     for (Row b = 0; b < bodies.size(); ++b) {
         // boundaries have no mass; fixed rocks count, as they may be freed later
         if (!(true_mass[b] > 0)) continue;
-        for (const LawRow& row : clean) {
+        for (Row pair = 0; pair < materials.pairs_of_materials(); ++pair) {
+            const LawRow& row = law.rows(materials)[pair];
+            const EdgeRow& edges = materials.edge_pairs[pair];
             if (!(row.kn > 0) || row.kn >= rigid) continue; // a pair of two boundaries
-            const double overlap = law.overlap_to_expect(row, mass[b], radius[b], 2 * fastest);
-            const Touch t = touch_of(law, row, law.elasticity(row, overlap, radius[b]), 1 / mass[b],
-                                     materials.policy.rolling_stiffness_ratio, radius[b]);
+            const double tip = law.wears && edges.radius > 0 ? edges.radius : radius[b],
+                         overlap = law.overlap_to_expect(row, mass[b], tip, 2 * fastest);
+            Elasticity e = law.elasticity(row, overlap, tip);
+            if (law.wears) { // a blunt edge has a wider contact than a sharp one of that overlap
+                const Elasticity blunt = elasticity_of(law, materials, pair, overlap, tip, 0);
+                if (blunt.normal > e.normal) e = blunt;
+            }
+            const Touch t =
+                touch_of(law, row, e, 1 / mass[b], materials.policy.rolling_stiffness_ratio,
+                         law.couple_arm(edges, radius[b]));
             const double largest = std::max(t.normal, t.shear),
                          damping = std::max(t.normal_damping, t.shear_damping);
             // the normal of a single sphere passes through its centre

@@ -59,7 +59,8 @@ void choose_force_grid(const Materials& materials, const ContactLaw& law, const 
         for (std::uint32_t b = 0; b < bodies.grains.size(); ++b)
             if (may_touch(bodies, a, b)) {
                 const LawRow& row = of.rows(materials)[materials.pair(a, b)];
-                const double stiffness = of.elasticity(row, overlap, radius).normal;
+                const double stiffness =
+                    elasticity_of(of, materials, materials.pair(a, b), overlap, radius, 0).normal;
                 force = std::max(force, stiffness * overlap);
                 if (of.dashpots)
                     dashpot =

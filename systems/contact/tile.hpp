@@ -31,19 +31,19 @@ struct SumTarget {
 /// Columns (J, by body) in which owners accumulate the work that their pairs dissipate. Null: there
 /// is no energy budget.
 struct WorkTarget {
-    double *friction = nullptr, *viscous = nullptr, *rolling = nullptr;
+    double *friction = nullptr, *viscous = nullptr, *rolling = nullptr, *wear = nullptr;
 };
 
 /// Coefficients and springs that the kernels of all kinds of pairs read and write. Null: the law or
 /// the scene has none.
 struct TileTarget {
     const NearEntry* near;
-    SpringRow* spring;
-    RollRow* roll;
+    PairHistory history;
     ForceRow* force;
     const double* share; ///< by near row, where patches share one stiffness
     const LawRow* laws;
     const RollingRow* rolling_laws;
+    const EdgeRow* edges;
     const OwnRow* own; ///< coefficients that only this law reads, by pair of materials
     bool one_law;      ///< all pairs have the coefficients of laws[0]
     bool observed;     ///< the records of forces are written
@@ -56,10 +56,13 @@ struct TileTarget {
     void prefetch_rows(const Row* rows, const std::array<std::size_t, lane_count>& bodies) const {
         for (const std::size_t b : bodies) prefetch<true>(&sums.sum[b]);
         for (int q = 0; q < lane_count; ++q) prefetch<true>(&sums.of_partner(rows[q]));
-        if (spring != nullptr)
-            for (int q = 0; q < lane_count; ++q) prefetch<true>(&spring[near[rows[q]].pair]);
-        if (roll != nullptr)
-            for (int q = 0; q < lane_count; ++q) prefetch<true>(&roll[near[rows[q]].pair]);
+        if (history.spring != nullptr)
+            for (int q = 0; q < lane_count; ++q)
+                prefetch<true>(&history.spring[near[rows[q]].pair]);
+        if (history.roll != nullptr)
+            for (int q = 0; q < lane_count; ++q) prefetch<true>(&history.roll[near[rows[q]].pair]);
+        if (history.worn != nullptr)
+            for (int q = 0; q < lane_count; ++q) prefetch<true>(&history.worn[near[rows[q]].pair]);
     }
 };
 
@@ -88,21 +91,22 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const BodyRo
                      const ContactScene& scene) {
     const auto& laws = Law::Normal::rows(scene.materials);
     const WorkTarget work{column_or_null<FrictionWork>(bodies), column_or_null<ViscousWork>(bodies),
-                          column_or_null<RollingWork>(bodies)};
-    return {near.template column<NearPair>(),
-            column_or_null<Spring>(pairs),
-            column_or_null<Roll>(pairs),
-            near.template column<PairForce>(),
-            column_or_null<const PatchShare>(near),
-            laws.data(),
-            scene.materials.rolling_pairs.data(),
-            scene.materials.own_pairs.data(),
-            laws.size() == 1,
-            scene.observation.due,
-            {scene.sums.column<ContactSum>(), near.template column<PartnerSum>(), scene.grid,
-             !std::is_same_v<typename NearRows::TableKind, NearSpheres>},
-            work,
-            {scene.materials.policy, scene.clock.dt, work.friction != nullptr}};
+                          column_or_null<RollingWork>(bodies), column_or_null<WearWork>(bodies)};
+    return {
+        near.template column<NearPair>(),
+        {column_or_null<Spring>(pairs), column_or_null<Roll>(pairs), column_or_null<Worn>(pairs)},
+        near.template column<PairForce>(),
+        column_or_null<const PatchShare>(near),
+        laws.data(),
+        scene.materials.rolling_pairs.data(),
+        scene.materials.edge_pairs.data(),
+        scene.materials.own_pairs.data(),
+        laws.size() == 1,
+        scene.observation.due,
+        {scene.sums.column<ContactSum>(), near.template column<PartnerSum>(), scene.grid,
+         !std::is_same_v<typename NearRows::TableKind, NearSpheres>},
+        work,
+        {scene.materials.policy, scene.clock.dt, work.friction != nullptr}};
 }
 
 using ListedSpheres = Rows<Listed, const ListedPosition, const ListedBody>;
@@ -174,6 +178,22 @@ private:
     const auto remaining =
         transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].shear_rate; }));
     return {first[0], first[1], first[2], first[3], remaining[0], remaining[1], remaining[2]};
+}
+
+[[gnu::always_inline]] inline EdgeLanes edge_coefficients(const TileTarget& to, const Row* rows) {
+    if (have_one_law(to, rows)) {
+        const EdgeRow& e = to.edges[to.one_law ? 0 : to.near[rows[0]].law];
+        return {lanes(e.yield_ratio), lanes(e.blunting),        lanes(e.radius),
+                lanes(e.rise),        lanes(e.easing_pressure), lanes(e.easing_force),
+                lanes(e.arm),         lanes(e.couple_easing)};
+    }
+    const auto four_from = [&](auto member) {
+        return transpose(
+            load_rows([&](int q) { return &(to.edges[to.near[rows[q]].law].*member); }));
+    };
+    const auto first = four_from(&EdgeRow::yield_ratio),
+               second = four_from(&EdgeRow::easing_pressure);
+    return {first[0], first[1], first[2], first[3], second[0], second[1], second[2], second[3]};
 }
 
 [[gnu::always_inline]] inline OwnLanes own_coefficients(const TileTarget& to, const Row* rows) {
@@ -257,6 +277,7 @@ inline void add_work(const WorkTarget& to, const std::size_t* own, int count, co
         to.friction[own[q]] += work.friction[q];
         to.viscous[own[q]] += work.viscous[q];
         to.rolling[own[q]] += work.rolling[q];
+        if (to.wear != nullptr) to.wear[own[q]] += work.wear[q];
     }
 }
 
@@ -286,31 +307,45 @@ apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int cou
     SpringLanes spring{};
     RollLanes roll{};
     RollingLanes rolling{};
+    Lane worn{};
     if constexpr (Law::has_history) {
-        const auto stored = transpose(load_rows([&](int q) { return &to.spring[pair_of(q)].x; }));
+        const auto stored =
+            transpose(load_rows([&](int q) { return &to.history.spring[pair_of(q)].x; }));
         spring = {stored[0], stored[1], stored[2], stored[3]};
     }
     if constexpr (Law::has_rolling) {
-        const auto stored = transpose(load_rows([&](int q) { return &to.roll[pair_of(q)].x; }));
+        const auto stored =
+            transpose(load_rows([&](int q) { return &to.history.roll[pair_of(q)].x; }));
         roll = {stored[0], stored[1], stored[2], stored[3]};
         const auto k = transpose(load_rows(
             [&](int q) { return &to.rolling_laws[to.near[rows[q]].law].rolling_friction; }));
         rolling = {k[0], k[1], k[2], k[3]};
     }
+    if constexpr (Law::has_wear) {
+        alignas(64) std::array<double, lane_count> radius;
+        for (std::size_t q = 0; q < lane_count; ++q) radius[q] = to.history.worn[pair[q]];
+        worn = load_lane(radius.data());
+    }
     const ForceLanes f = [&]() __attribute__((always_inline)) {
-        if constexpr (Law::has_reach)
-            return Law::force(c, coefficients(to, rows), own_coefficients(to, rows), rolling,
-                              to.step, spring, roll);
+        CoefficientLanes k = coefficients(to, rows);
+        if constexpr (Law::has_edges) k.edges = edge_coefficients(to, rows);
+        if constexpr (Law::has_wear)
+            return Law::force(c, k, rolling, to.step, spring, roll, worn);
+        else if constexpr (Law::has_reach)
+            return Law::force(c, k, own_coefficients(to, rows), rolling, to.step, spring, roll);
         else
-            return Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
+            return Law::force(c, k, rolling, to.step, spring, roll);
     }
     ();
+    if constexpr (Law::has_wear)
+        for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q)
+            to.history.worn[pair[q]] = worn[q];
     if constexpr (Law::has_history)
         store_rows(transpose({spring.x, spring.y, spring.z, spring.stiffness}), count,
-                   [&](int q) { return &to.spring[pair_of(q)].x; });
+                   [&](int q) { return &to.history.spring[pair_of(q)].x; });
     if constexpr (Law::has_rolling)
         store_rows(transpose({roll.x, roll.y, roll.z, roll.twist}), count,
-                   [&](int q) { return &to.roll[pair_of(q)].x; });
+                   [&](int q) { return &to.history.roll[pair_of(q)].x; });
     UnitLanes units = arms.units(to.sums, f);
     const unsigned left_out = units.beyond(), beyond = bits(too_deep) | left_out;
     if (to.observed || beyond != 0) {
@@ -328,7 +363,7 @@ apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int cou
 /// pair.
 template <class Law>
 bool is_held(const TileTarget& to, const NearEntry& near, double gap, double radius) {
-    return Spring::keep(to.spring[near.pair]) && gap < Law::reach(to.own[near.law], radius);
+    return Spring::keep(to.history.spring[near.pair]) && gap < Law::reach(to.own[near.law], radius);
 }
 
 /// Selects, in each group of eight pairs, those whose contacts have to be evaluated, and restores
@@ -358,9 +393,11 @@ public:
     }
     /// Restores the springs of the sleeping pairs.
     void put_springs_back() {
-        for (const auto& [pair, spring, roll] : kept_) {
-            if (to_.spring != nullptr) to_.spring[pair] = spring;
-            if (to_.roll != nullptr) to_.roll[pair] = roll;
+        const PairHistory& to = to_.history;
+        for (const auto& [pair, spring, roll, worn] : kept_) {
+            if (to.spring != nullptr) to.spring[pair] = spring;
+            if (to.roll != nullptr) to.roll[pair] = roll;
+            if (to.worn != nullptr) to.worn[pair] = worn;
         }
         kept_.clear();
     }
@@ -370,24 +407,24 @@ private:
         Row pair;
         SpringRow spring;
         RollRow roll;
+        double worn;
     };
     void keep(Row pair) {
-        kept_.push_back({pair, to_.spring == nullptr ? SpringRow{} : to_.spring[pair],
-                         to_.roll == nullptr ? RollRow{} : to_.roll[pair]});
+        const PairHistory& of = to_.history;
+        kept_.push_back({pair, of.spring == nullptr ? SpringRow{} : of.spring[pair],
+                         of.roll == nullptr ? RollRow{} : of.roll[pair],
+                         of.worn == nullptr ? 0 : of.worn[pair]});
     }
     const TileTarget& to_;
     const std::uint8_t *awake_, *look_;
     std::vector<Kept> kept_;
 };
 
-/// Clears the springs of those pairs of a group that have separated (bits of `apart`).
+/// Clears the history of those pairs of a group that have separated (bits of `apart`).
 inline void forget(const TileTarget& to, Row first, unsigned apart) {
-    if (to.spring == nullptr) return;
-    for (; apart != 0; apart &= apart - 1) {
-        const Row pair = to.near[first + static_cast<Row>(__builtin_ctz(apart))].pair;
-        to.spring[pair] = {};
-        if (to.roll != nullptr) to.roll[pair] = {};
-    }
+    if (to.history.spring == nullptr) return;
+    for (; apart != 0; apart &= apart - 1)
+        to.history.clear(to.near[first + static_cast<Row>(__builtin_ctz(apart))].pair);
 }
 
 /// Pairs that have separated in the last step and are evaluated once more, only for the work that
@@ -396,10 +433,7 @@ class Separated {
 public:
     void add(Row pair) { pairs_.push_back(pair); }
     void clear_springs(const TileTarget& to) {
-        for (const Row pair : pairs_) {
-            to.spring[pair] = {};
-            if (to.roll != nullptr) to.roll[pair] = {};
-        }
+        for (const Row pair : pairs_) to.history.clear(pair);
         pairs_.clear();
     }
 

@@ -16,6 +16,7 @@ struct TouchingPair {
     ForceRow force;
     SpringRow spring;
     RollRow roll;
+    double worn; ///< m, radius of its edge, or Worn::never
     std::uint32_t law;
     double radius; ///< m, effective radius
     double share;  ///< share of the stiffness of its contact patch
@@ -34,6 +35,8 @@ void for_touching_pairs(const World& world, Visit&& visit) {
         pairs.template has<Spring>() ? pairs.template column<Spring>().data() : nullptr;
     const RollRow* roll =
         pairs.template has<Roll>() ? pairs.template column<Roll>().data() : nullptr;
+    const double* worn =
+        pairs.template has<Worn>() ? pairs.template column<Worn>().data() : nullptr;
     const Table& near = world.table<typename Pairs::Near>();
     const double* share =
         near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
@@ -45,7 +48,8 @@ void for_touching_pairs(const World& world, Visit&& visit) {
     for (const Row k : touching) {
         const Row p = entry[k].pair;
         visit(TouchingPair{names[p], force[k], spring != nullptr ? spring[p] : SpringRow{},
-                           roll != nullptr ? roll[p] : RollRow{}, entry[k].law,
+                           roll != nullptr ? roll[p] : RollRow{},
+                           worn != nullptr ? worn[p] : Worn::never, entry[k].law,
                            effective_radius<Pairs>(entry[k], sphere_row),
                            share != nullptr ? share[k] : 1});
     }

@@ -36,7 +36,6 @@ template <class Pairs>
 void add_contacts(const World& world, const std::vector<Row>& rows, Quantities& q) {
     const auto& materials = world.resource<Materials>();
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
-    const auto& laws = law.rows(materials);
     PairNames last{nobody, nobody, 0, 0};
     for_touching_pairs<Pairs>(world, [&](const TouchingPair& p) {
         if (!is_free(world, rows[p.names.partner]))
@@ -49,7 +48,8 @@ void add_contacts(const World& world, const std::vector<Row>& rows, Quantities& 
         q.mean_overlap += p.force.overlap;
         q.largest_overlap = std::max(q.largest_overlap, p.force.overlap);
         q.mean_normal_force += p.force.normal_force;
-        const Elasticity e = law.elasticity(laws[p.law], std::max(p.force.overlap, 0.0), p.radius);
+        const Elasticity e =
+            elasticity_of(law, materials, p.law, p.force.overlap, p.radius, p.worn);
         const double shear2 =
             p.spring.x * p.spring.x + p.spring.y * p.spring.y + p.spring.z * p.spring.z;
         const double roll2 = p.roll.x * p.roll.x + p.roll.y * p.roll.y + p.roll.z * p.roll.z +

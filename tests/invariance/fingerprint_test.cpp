@@ -3,6 +3,7 @@
 #include "systems/loads/rail.hpp"
 #include "systems/output/porosity.hpp"
 #include "systems/output/quantities.hpp"
+#include "tests/edges.hpp"
 #include "tests/support.hpp"
 
 #include <doctest/doctest.h>
@@ -135,6 +136,21 @@ const std::vector<Scene>& scenes() {
              return world;
          },
          LawName::linear, 2000},
+        {"clumps in a box of facets, whose edges yield",
+         [] {
+             World world = bed(
+                 {.grains = Grains::clumps, .walls = Walls::facets, .bodies = 48, .seed = seed});
+             add_edges(world);
+             return world;
+         },
+         LawName::hertz_edges},
+        {"spheres in a membrane, whose edges yield",
+         [] {
+             World world = tube_scene(Grains::spheres);
+             add_edges(world);
+             return world;
+         },
+         LawName::hertz_edges},
     };
     return list;
 }

@@ -72,7 +72,9 @@ constexpr Variant variants[] = {
     {"friction", "frictionless spheres, planes, weight", LawName::linear},
     {"dashpots", "friction", LawName::linear_viscous},
     {"rolling and twisting resistance", "dashpots", LawName::linear_rolling},
+    {"friction and couple of edges", "dashpots", LawName::linear_edges},
     {"Hertz and Mindlin", "dashpots", LawName::hertz_mindlin_viscous},
+    {"edges that yield", "Hertz and Mindlin", LawName::hertz_edges},
     {"local damping", "dashpots", LawName::linear_viscous, Also::damping},
     {"energy budget", "dashpots", LawName::linear_viscous, Also::energy_budget},
     {"floor of 64 facets", "dashpots", LawName::linear_viscous, Also::facets},
@@ -96,7 +98,14 @@ Material grain_of(LawName law) {
                    .young_modulus = 5e8,
                    .poisson_ratio = 0.25,
                    .rolling_friction = 0.1,
-                   .twisting_friction = 0.1};
+                   .twisting_friction = 0.1,
+                   .contact_strength = 5e6,
+                   .cone_half_angle = 1.2,
+                   .friction_rise = 0.5,
+                   .friction_half_pressure = 5e6,
+                   .friction_half_force = 1,
+                   .couple_arm = 1e-3,
+                   .couple_force = 1};
     if (is_hertz(law))
         grain.restitution = 0.3;
     else {

@@ -13,6 +13,7 @@
 #include "systems/slabs/slabs.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
+#include "tests/edges.hpp"
 #include "tests/extreme_scenes.hpp"
 
 #include <doctest/doctest.h>
@@ -501,9 +502,14 @@ TEST_SUITE("ranks") {
     TEST_CASE("random scenes give the same bits on any number of ranks") {
         const char* asked = std::getenv("BRIS_RANDOM_SCENES");
         const unsigned scenes = asked != nullptr ? static_cast<unsigned>(std::atoi(asked)) : 25;
-        constexpr std::array laws{
-            LawName::linear,         LawName::linear_viscous,        LawName::hertz_mindlin_viscous,
-            LawName::linear_rolling, LawName::hertz_mindlin_rolling, LawName::linear_bridge};
+        constexpr std::array laws{LawName::linear,
+                                  LawName::linear_viscous,
+                                  LawName::hertz_mindlin_viscous,
+                                  LawName::linear_rolling,
+                                  LawName::hertz_mindlin_rolling,
+                                  LawName::linear_bridge,
+                                  LawName::linear_edges,
+                                  LawName::hertz_edges};
         const char* first = std::getenv("BRIS_FIRST_SCENE");
         for (unsigned k = first ? static_cast<unsigned>(std::atoi(first)) : 0; k < scenes; ++k) {
             Random draw(2026, k);
@@ -515,7 +521,7 @@ TEST_SUITE("ranks") {
             const auto bodies = static_cast<unsigned>(number(8, 120));
             const double push = number(0, 1) < 0.5 ? number(20, 80) : 0;
             SmallSceneSettings settings = plain();
-            settings.law = laws[static_cast<std::size_t>(number(0, 5.999))];
+            settings.law = laws[static_cast<std::size_t>(number(0, 7.999))];
             settings.energy_budget = number(0, 1) < 0.3;
             settings.unlimited = true;
             settings.lists.outer_skin = number(0.0006, 0.004);
@@ -527,6 +533,7 @@ TEST_SUITE("ranks") {
             const auto make = [&] {
                 World world =
                     bed({.grains = grains, .walls = walls, .bodies = bodies, .seed = k + 1});
+                if (traits(settings.law).edges) testing::add_edges(world);
                 // to and fro along x, so that bodies hop over the cuts
                 world.resource<Gravity>().value = Vec3(k % 2 == 0 ? push : -push, push / 3, -9.81);
                 // sooner than they should, so that some sleep and are woken

@@ -270,7 +270,8 @@ TEST_SUITE("library/library_prediction") {
         const auto reason = [&] { return reason_against(library, {model, 0.39, 110e3}); };
         model.emplace_back("young_modulus_Pa", 7e10);
         CHECK(reason().empty());
-        for (auto* settings : {&library.settings, &model}) settings->emplace_back("hertz", true);
+        for (auto* settings : {&library.settings, &model})
+            settings->emplace_back("law", "hertz_mindlin");
         CHECK(reason().find("young_modulus_Pa") != std::string::npos);
         library.settings.emplace_back("young_modulus_Pa", 7e10);
         CHECK(reason().empty());

@@ -62,6 +62,26 @@ TEST_SUITE("specimens/check_scene") {
             CHECK(said(law, [](World&) {}) == "");
     }
 
+    TEST_CASE("conical damage that would create energy is refused with both materials and both "
+              "numbers, under that law only") {
+        const auto with_angle = [](LawName law, double degrees) {
+            return said(law, [=](World& w) {
+                Material& m = w.resource<Materials>().list[0];
+                m.young_modulus = 1e10;
+                m.poisson_ratio = 0.2;
+                m.contact_strength = 6e7;
+                m.cone_half_angle = degrees * pi / 180;
+                w.resource<Materials>().mix();
+            });
+        };
+        CHECK(with_angle(LawName::hertz_edges, 89) == "");
+        CHECK(with_angle(LawName::hertz_edges, 89.5) ==
+              "materials 'grain' and 'grain': conical damage: expected (pi strength / (2 E*))^2 "
+              "below 5 (1 - sin a) / sin a of the cone's half-angle a, as the contact would create "
+              "energy otherwise, found 0.000327 and 0.00019");
+        CHECK(with_angle(LawName::hertz_mindlin, 89.5) == "");
+    }
+
     TEST_CASE("coefficients that one law reads of a pair are refused like those of a material, "
               "under that law only") {
         const auto with_angle = [](LawName law, double angle) {

@@ -60,6 +60,14 @@ void check_same_bits(const ModelRun& a, const ModelRun& b) {
     CHECK(a.fusion_work == b.fusion_work);
 }
 
+/// Sum of the radii (m) of the edges that have yielded between rocks.
+double sum_of_worn(const World& world) {
+    if (!world.table<SpherePairs>().has<Worn>()) return 0;
+    double sum = 0;
+    for (const double radius : world.column<SpherePairs, Worn>()) sum += radius;
+    return sum;
+}
+
 } // namespace
 
 TEST_SUITE("triaxial/triaxial") {
@@ -95,13 +103,23 @@ TEST_SUITE("triaxial/triaxial") {
     }
 
     TEST_CASE(
-        "a specimen prepared with linear contacts is tested with Hertz-Mindlin contacts, with "
-        "the same balances and the same bits on two threads, and stores energy as they do") {
+        "a specimen prepared with linear contacts is tested with Hertz-Mindlin contacts and with "
+        "edges that yield, with the same balances and the same bits on two threads") {
         const Archive specimen = prepared(small_scene());
         // J, at the start of shearing
-        const auto stored = [&](bool hertz, double confining, unsigned threads,
+        const auto stored = [&](LawName law, double confining, unsigned threads,
                                 std::uint64_t* bits = nullptr) {
-            const TriaxialScene scene = small_scene({.hertz = hertz});
+            SpecimenSettings rocks;
+            rocks.law = law;
+            if (traits(law).edges)
+                rocks.edges = {.contact_strength = 1.5e9,
+                               .cone_half_angle = 1.2,
+                               .edge_radius = 0.005,
+                               .friction_rise = 0.3,
+                               .friction_half_pressure = 2e8,
+                               .couple_arm = 0.003,
+                               .couple_force = 60};
+            const TriaxialScene scene = small_scene(rocks);
             TriaxialSettings settings = short_test();
             settings.confining_pressure = confining;
             settings.final_axial_strain = 1e-3;
@@ -116,13 +134,18 @@ TEST_SUITE("triaxial/triaxial") {
             CHECK(p.worst_ring_error <= 0.01);
             CHECK(p.worst_stress_mismatch <= 0.01);
             CHECK(p.relative_energy_error <= 0.01);
+            CHECK((sum_of_worn(simulation.world()) > 0) == has_wear(law));
             if (bits != nullptr) *bits = fingerprint(simulation.snapshot());
             return curves[quantity::stored_energy][0];
         };
         std::uint64_t one = 0, two = 0;
-        const double hertz = stored(true, 440e3, 1, &one) / stored(true, 55e3, 1),
-                     linear = stored(false, 440e3, 1) / stored(false, 55e3, 1);
-        (void)stored(true, 440e3, 2, &two);
+        const LawName mindlin = LawName::hertz_mindlin, plain = LawName::linear;
+        const double hertz = stored(mindlin, 440e3, 1, &one) / stored(mindlin, 55e3, 1),
+                     linear = stored(plain, 440e3, 1) / stored(plain, 55e3, 1);
+        (void)stored(mindlin, 440e3, 2, &two);
+        CHECK(one == two);
+        (void)stored(LawName::hertz_edges, 110e3, 1, &one);
+        (void)stored(LawName::hertz_edges, 110e3, 2, &two);
         CHECK(one == two);
         // Energy grows as p^(5/3) and p^2 if the contacts stay the same; more of them form under
         // the higher pressure, to about the same extent with either law.
