@@ -75,6 +75,7 @@ struct EdgeCouple {
     [[gnu::always_inline]] static Lane force(const CoefficientLanes& k, Lane normal) {
         return normal / (1.0 + k.edges.couple_easing * normal);
     }
+    static bool is_absent(const CoefficientLanes& k) { return bits(k.edges.arm > 0.0) == 0; }
     static double arm_of(const EdgeRow& e, double) { return e.arm; }
 };
 

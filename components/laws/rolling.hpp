@@ -17,6 +17,8 @@ struct RadiusArm {
     [[gnu::always_inline]] static Lane force(const CoefficientLanes&, Lane normal) {
         return normal;
     }
+    /// Whether no contact of the tile has a couple.
+    static bool is_absent(const CoefficientLanes&) { return false; }
     static double arm_of(const EdgeRow&, double radius) { return radius; }
 };
 
@@ -36,6 +38,7 @@ struct RollingSpringsOf {
                                               const RollingLanes& k, const LawStep& step,
                                               Lane shear_stiffness, Lane old_shear_stiffness,
                                               RollLanes& roll, ForceLanes& f) {
+        if (Arm::is_absent(coefficients)) return;
         SpringLanes old{roll.x, roll.y, roll.z, k.stiffness_ratio * old_shear_stiffness};
         turn_with_pair(c, step.dt, old.x, old.y, old.z);
         const Lane ks = k.stiffness_ratio * shear_stiffness, radius = Arm::arm(c, coefficients),
