@@ -50,7 +50,7 @@ struct Network {
         option("changes", changes, "",
                "CSV file of settings that change after installation: t_s, rock (0: all), and any "
                "of strategy, sampling_rate_Hz, warning_threshold_m_per_s2 and others.");
-        RockSettings& r = settings.rock;
+        InstalledRockSettings& r = settings.rock;
         option.group("Rocks");
         option("sampling_rate", r.sampling_rate, "Hz", "Sampling rate, which divides 400 Hz.",
                within(1, Truth::base_rate));

@@ -15,6 +15,7 @@
 #include "scenarios/triaxial/triaxial_scene.hpp"
 #include "systems/fields/field_set.hpp"
 #include "systems/output/picture.hpp"
+#include "systems/output/quantities.hpp"
 
 #include <fmt/format.h>
 
@@ -219,6 +220,9 @@ Report Test::summary() const {
     summary.add("sensor_rock_drift_m", s.drift);
     summary.add("sensor_rock_rotation_deg", s.rotation * 180 / pi);
     summary.add("coordination_number", s.curves[quantity::coordination_number].back());
+    if (const World& world = std::as_const(simulation_).world();
+        has_wear(shared_.scene.specimen.law))
+        summary.add("contacts_at_yield_share", share_at_yield(world));
     summary.add("stages", s.stage);
     if (shared_.settings.fouling.any())
         add_fouling_results(summary, std::as_const(simulation_).world());

@@ -24,7 +24,7 @@ void require_scores(std::span<const double> unchanged, std::span<const double> c
 
 } // namespace
 
-Interval binomial_interval(std::size_t successes, std::size_t trials, double confidence) {
+ConfidenceInterval binomial_interval(std::size_t successes, std::size_t trials, double confidence) {
     require(successes <= trials && trials > 0 && confidence > 0 && confidence < 1,
             fmt::format("binomial interval: expected successes among at least one trial, found {} "
                         "of {}",
@@ -66,9 +66,9 @@ double area_under_roc(std::span<const double> unchanged, std::span<const double>
     return sum / static_cast<double>(sorted.size()) / static_cast<double>(changed.size());
 }
 
-Interval bootstrap_area_under_roc(std::span<const double> unchanged,
-                                  std::span<const double> changed, double confidence,
-                                  std::size_t draws, std::uint64_t seed) {
+ConfidenceInterval bootstrap_area_under_roc(std::span<const double> unchanged,
+                                            std::span<const double> changed, double confidence,
+                                            std::size_t draws, std::uint64_t seed) {
     require_scores(unchanged, changed);
     require(draws > 0 && confidence > 0 && confidence < 1,
             "bootstrap: expected at least one draw and a confidence between 0 and 1");

@@ -7,13 +7,14 @@
 
 namespace bris {
 
-struct Interval {
+struct ConfidenceInterval {
     double low = 0, high = 0;
 };
 
 /// Exact interval of Clopper and Pearson (1934) that contains the probability of a success with at
 /// least this `confidence`, in (0, 1). Throws InputError if there are more successes than trials.
-Interval binomial_interval(std::size_t successes, std::size_t trials, double confidence = 0.95);
+ConfidenceInterval binomial_interval(std::size_t successes, std::size_t trials,
+                                     double confidence = 0.95);
 
 /// One point of a receiver operating characteristic: the shares of scores above a threshold.
 struct RocPoint {
@@ -31,8 +32,8 @@ double area_under_roc(std::span<const double> unchanged, std::span<const double>
 
 /// Percentile interval of that area over `draws` bootstrap samples of both groups (Efron 1979); the
 /// scores must be independent. It has no width where the groups do not overlap.
-Interval bootstrap_area_under_roc(std::span<const double> unchanged,
-                                  std::span<const double> changed, double confidence,
-                                  std::size_t draws, std::uint64_t seed);
+ConfidenceInterval bootstrap_area_under_roc(std::span<const double> unchanged,
+                                            std::span<const double> changed, double confidence,
+                                            std::size_t draws, std::uint64_t seed);
 
 } // namespace bris

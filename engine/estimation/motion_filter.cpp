@@ -54,23 +54,23 @@ void MotionFilter::move_to(const RigidState& forecast, const Matrix& noise) {
     state = forecast;
 }
 
-Verdict MotionFilter::observe_position(const Vec3& y, const Mat3& covariance) {
+ObservationResult MotionFilter::observe_position(const Vec3& y, const Mat3& covariance) {
     return observe(position, y - state.position, covariance);
 }
 
-Verdict MotionFilter::observe_velocity(const Vec3& y, const Mat3& covariance) {
+ObservationResult MotionFilter::observe_velocity(const Vec3& y, const Mat3& covariance) {
     return observe(velocity, y - state.velocity, covariance);
 }
 
-Verdict MotionFilter::observe_attitude(const Quat& y, const Mat3& covariance) {
+ObservationResult MotionFilter::observe_attitude(const Quat& y, const Mat3& covariance) {
     return observe(rotation, attitude_error(y, state.orientation), covariance);
 }
 
-Verdict MotionFilter::observe_angular_velocity(const Vec3& y, const Mat3& covariance) {
+ObservationResult MotionFilter::observe_angular_velocity(const Vec3& y, const Mat3& covariance) {
     return observe(angular_velocity, y - state.angular_velocity, covariance);
 }
 
-Verdict MotionFilter::observe(Part part, const Vec3& innovation, const Mat3& covariance) {
+ObservationResult MotionFilter::observe(Part part, const Vec3& innovation, const Mat3& covariance) {
     Matrix H = Matrix::Zero(3, size);
     H.block<3, 3>(0, part).setIdentity();
     const auto c = correct<double>(error_, innovation, H, covariance);

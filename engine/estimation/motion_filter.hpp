@@ -13,7 +13,7 @@ struct RigidState {
 };
 
 /// Result of one observation.
-struct Verdict {
+struct ObservationResult {
     bool accepted = false;
     /// Normalised innovation squared: chi-squared with three degrees of freedom if the filter is
     /// consistent.
@@ -51,10 +51,11 @@ public:
     /// `noise` (12 x 12) to the covariance.
     void move_to(const RigidState& forecast, const Matrix& noise);
 
-    Verdict observe_position(const Vec3& y, const Mat3& covariance);
-    Verdict observe_velocity(const Vec3& y, const Mat3& covariance);
-    Verdict observe_attitude(const Quat& y, const Mat3& covariance);
-    Verdict observe_angular_velocity(const Vec3& y, const Mat3& covariance); ///< world frame
+    ObservationResult observe_position(const Vec3& y, const Mat3& covariance);
+    ObservationResult observe_velocity(const Vec3& y, const Mat3& covariance);
+    ObservationResult observe_attitude(const Quat& y, const Mat3& covariance);
+    ObservationResult observe_angular_velocity(const Vec3& y,
+                                               const Mat3& covariance); ///< world frame
 
     Matrix covariance() const { return error_.covariance(); }
     const Gaussian& error() const { return error_; }
@@ -62,7 +63,7 @@ public:
     void restore(const Gaussian& error) { error_ = error; }
 
 private:
-    Verdict observe(Part part, const Vec3& innovation, const Mat3& covariance);
+    ObservationResult observe(Part part, const Vec3& innovation, const Mat3& covariance);
     void fold(const Vector& error);
     Gaussian error_{size};
 };

@@ -104,14 +104,14 @@ std::vector<double> subgroup_deviations(Runs runs, std::size_t n) {
     return deviations;
 }
 
-ControlChart mean_chart(Runs baseline, std::size_t n, double width, Limits limits) {
+ControlChart mean_chart(Runs baseline, std::size_t n, double width, ControlLimits limits) {
     require(n >= 2, "control chart: expected subgroups of at least 2");
     std::vector<double> all;
     for (const auto& run : baseline) all.insert(all.end(), run.begin(), run.end());
     require(all.size() >= n,
             fmt::format("control chart: expected at least one subgroup of {}, found {} values", n,
                         all.size()));
-    const double factor = limits == Limits::independent
+    const double factor = limits == ControlLimits::independent
                               ? 1
                               : variance_factor_of_mean(autocorrelations(baseline, n - 1), n);
     const ControlChart chart{mean_of(all), deviation_of(all) * std::sqrt(factor / real(n)), width};

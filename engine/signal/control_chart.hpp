@@ -38,12 +38,12 @@ struct ControlChart {
 
 /// Whether the limits of a chart of subgroup means hold for independent values only, or are
 /// corrected by the autocorrelations of the values at lags below the size of a subgroup.
-enum class Limits { independent, corrected };
+enum class ControlLimits { independent, corrected };
 
 /// Chart of the means of subgroups of n, by the mean and the standard deviation s of all values of
 /// the baseline: limits +- width s / sqrt(n), or +- width s sqrt(f / n) with f =
 /// variance_factor_of_mean. Throws InputError if the baseline has no subgroup, or does not vary.
-ControlChart mean_chart(Runs baseline, std::size_t n, double width, Limits limits);
+ControlChart mean_chart(Runs baseline, std::size_t n, double width, ControlLimits limits);
 /// Chart of the logarithms of the standard deviations of subgroups, by their own mean and standard
 /// deviation, which contain every dependence and every change of level of the baseline. Throws
 /// InputError if the baseline has fewer than two subgroups that vary.

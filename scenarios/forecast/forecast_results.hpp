@@ -16,7 +16,7 @@ struct ForecastResults {
     double threshold = 0;           ///< m, of its deflection
     std::vector<MemberMovements> members = {};
     PassageForecast forecast = {};
-    std::vector<LeftOut> left_out = {};           ///< members, each from all others
+    std::vector<LeftOutMember> left_out = {};     ///< members, each from all others
     std::optional<PassageMovements> found = {};   ///< on a simulated site
     std::vector<JudgedRecording> recordings = {}; ///< of a folder; empty: compliances were given
     std::vector<double> last_turns = {},

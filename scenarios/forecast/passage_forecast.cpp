@@ -54,9 +54,9 @@ PassageForecast forecast_passage(const std::vector<MemberMovements>& members,
     return forecast;
 }
 
-std::vector<LeftOut> forecasts_of_members(const std::vector<MemberMovements>& members,
-                                          std::size_t rock, double relative) {
-    std::vector<LeftOut> all;
+std::vector<LeftOutMember> forecasts_of_members(const std::vector<MemberMovements>& members,
+                                                std::size_t rock, double relative) {
+    std::vector<LeftOutMember> all;
     for (std::size_t k = 0; k < members.size(); ++k) {
         std::vector<MemberMovements> others = members;
         others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));

@@ -41,13 +41,13 @@ PassageForecast forecast_passage(const std::vector<MemberMovements>& members,
                                  const std::vector<RecordedMovement>& recorded);
 
 /// The next deflection (m) of a rock in each member, and its forecast from all other members.
-struct LeftOut {
+struct LeftOutMember {
     double found;
     DeflectionForecast forecast;
 };
 /// Each member in turn is the site, with recordings without error, whose deviation is taken as
 /// `relative` of the compliance.
-std::vector<LeftOut> forecasts_of_members(const std::vector<MemberMovements>& members,
-                                          std::size_t rock, double relative);
+std::vector<LeftOutMember> forecasts_of_members(const std::vector<MemberMovements>& members,
+                                                std::size_t rock, double relative);
 
 } // namespace bris

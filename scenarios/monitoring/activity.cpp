@@ -71,8 +71,8 @@ void find_activity(Samples& samples, const SensorInfo& info, const ActivitySetti
     }
 }
 
-std::vector<Interval> passages_in(const Samples& samples, const ActivitySettings& settings) {
-    std::vector<Interval> found;
+std::vector<PassageInterval> passages_in(const Samples& samples, const ActivitySettings& settings) {
+    std::vector<PassageInterval> found;
     for (std::size_t k = 0; k < samples.size(); ++k) {
         if (samples.state(k) != Samples::State::active) continue;
         const double t = samples.time(k);

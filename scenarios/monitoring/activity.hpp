@@ -26,11 +26,11 @@ void find_activity(Samples& samples, const SensorInfo& info, const ActivitySetti
                    double until);
 
 /// From the first to the last active row of a passage, s.
-struct Interval {
+struct PassageInterval {
     double begin = 0, end = 0;
 };
 /// The passages of rows in order: active rows with less than `quiet` between them, cut at
 /// `longest` from their beginning.
-std::vector<Interval> passages_in(const Samples& samples, const ActivitySettings& settings);
+std::vector<PassageInterval> passages_in(const Samples& samples, const ActivitySettings& settings);
 
 } // namespace bris

@@ -121,7 +121,7 @@ bool PassageStream::is_too_late(const Sensor& sensor, const Open& open,
 
 /// Whether the verdict on a common time is final; not on one that is unknown (NaN).
 bool PassageStream::was_final(double common) const {
-    const auto after = std::ranges::upper_bound(final_, common, {}, &Interval::begin);
+    const auto after = std::ranges::upper_bound(final_, common, {}, &PassageInterval::begin);
     return after != final_.begin() && common <= std::prev(after)->end;
 }
 
@@ -165,7 +165,7 @@ void PassageStream::look(Sensor& sensor, std::size_t segment, Open& open, bool a
                                   : open.latest - reordered - activity_context;
     find_activity(open.samples, sensor.info, sensor.settings, settled);
     double needed = settled;
-    for (const Interval& passage : passages_in(open.samples, sensor.settings)) {
+    for (const PassageInterval& passage : passages_in(open.samples, sensor.settings)) {
         const bool has_ended = settled - passage.end >= sensor.settings.quiet ||
                                settled - passage.begin > sensor.settings.longest;
         if (!has_ended) {
@@ -182,7 +182,7 @@ void PassageStream::look(Sensor& sensor, std::size_t segment, Open& open, bool a
 
 /// Makes an activity of a passage, together with those of the same sensor that it touches.
 void PassageStream::close(Sensor& sensor, std::size_t segment, Open& open,
-                          const Interval& passage) {
+                          const PassageInterval& passage) {
     const double margin = sensor.settings.margin, quiet = sensor.settings.quiet;
     const std::size_t begin = open.samples.row_at(passage.begin - margin),
                       end = open.samples.row_at(std::nextafter(passage.end + margin, 1e300));
@@ -227,7 +227,7 @@ void PassageStream::update() {
 
 /// The activities whose times are known, those together that have less than `quiet` between them.
 std::vector<PassageStream::Group> PassageStream::groups() {
-    std::vector<std::pair<Interval, std::pair<Sensor*, Activity*>>> all;
+    std::vector<std::pair<PassageInterval, std::pair<Sensor*, Activity*>>> all;
     for (auto& [id, sensor] : sensors_)
         for (Activity& a : sensor.activities) {
             if (!a.offset) continue;
@@ -335,7 +335,7 @@ void PassageStream::release(const Group& group) {
     }
     in_passages_ += given_[id].samples;
     given_.erase(id);
-    final_.insert(std::ranges::upper_bound(final_, group.time.begin, {}, &Interval::begin),
+    final_.insert(std::ranges::upper_bound(final_, group.time.begin, {}, &PassageInterval::begin),
                   group.time);
     if (final_.size() > most_final) final_.erase(final_.begin());
 }

@@ -69,7 +69,7 @@ private:
     /// What one sensor recorded of a passage.
     struct Activity {
         std::size_t segment = 0;
-        Interval own;                 // unwrapped own time
+        PassageInterval own;          // unwrapped own time
         std::optional<double> offset; // to common time; nothing: not known so far
         Samples samples;
         std::uint64_t passage = 0; // that it was given in; 0: none
@@ -91,19 +91,19 @@ private:
     };
     /// Activities that belong together, in common time.
     struct Group {
-        Interval time;
+        PassageInterval time;
         std::vector<std::pair<Sensor*, Activity*>> members;
     };
     struct Given {
         unsigned revision = 0;
         std::size_t samples = 0;
-        Interval time;
+        PassageInterval time;
     };
     void take(const Lines::Line& line);
     void keep(GatedRecord record);
     Open& open_segment(Sensor& sensor, std::size_t segment);
     void look(Sensor& sensor, std::size_t segment, Open& open, bool at_end);
-    void close(Sensor& sensor, std::size_t segment, Open& open, const Interval& passage);
+    void close(Sensor& sensor, std::size_t segment, Open& open, const PassageInterval& passage);
     bool is_too_late(const Sensor& sensor, const Open& open, const GatedRecord& record) const;
     bool was_final(double common) const;
     void find_offsets();
@@ -128,7 +128,7 @@ private:
     std::map<unsigned, Sensor> sensors_;
     std::deque<StreamPassage> ready_;
     std::map<std::uint64_t, Given> given_; // passages that are not final
-    std::vector<Interval> final_;          // common times of the last final ones, in order
+    std::vector<PassageInterval> final_;   // common times of the last final ones, in order
     std::uint64_t taken_ = 0, unreadable_ = 0, passages_ = 0, in_passages_ = 0, quiet_ = 0;
     double updated_ = -1e300; // s, progress of the stream at the last update
     bool over_ = false;

@@ -103,7 +103,7 @@ void estimate(SensorBaseline& b, const Collected& all, const MonitorSettings& se
     b.orders = choose_order(models, b.samples);
     b.model = models[settings.criterion == OrderCriterion::bic ? b.orders.by_bic : b.orders.by_aic];
     const auto residuals = residuals_of_runs(b.model, runs);
-    b.means = mean_chart(residuals, settings.subgroup, settings.width, Limits::corrected);
+    b.means = mean_chart(residuals, settings.subgroup, settings.width, ControlLimits::corrected);
     b.deviations = deviation_chart(residuals, settings.subgroup, settings.width);
     b.spectrum = welch(runs, b.rate, {.segment = settings.segment});
     b.outlier_share = chart_points(b, runs, {}, settings).outlier_share(settings.width);

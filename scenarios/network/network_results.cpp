@@ -100,7 +100,7 @@ double relative_error(const Spectrum& found, const Spectrum& expected) {
 
 void add_alarms(StrategyResult& result, const NetworkSimulation& simulation, const Truth& truth) {
     const auto& trains = truth.trains();
-    const auto first_changed = std::ranges::find_if(trains, &Train::changed);
+    const auto first_changed = std::ranges::find_if(trains, &ScheduledTrain::changed);
     for (const Received& w : simulation.warnings()) {
         const auto [from, to] = truth.trains_within(w.packet.first, w.packet.first + 1);
         const bool right = from < to && trains[from].changed;
@@ -150,7 +150,7 @@ StrategyResult result_of(const NetworkSimulation& simulation, const NetworkSetti
 }
 
 double duty_cycle_lifetime(const NetworkSettings& s) {
-    const RockSettings& r = s.rock;
+    const InstalledRockSettings& r = s.rock;
     const RockPower& p = s.rock_power;
     const double duty = r.duty_on / r.duty_period, samples = r.duty_on * r.sampling_rate,
                  packets = std::ceil(samples / s.packet_samples - 1e-9);

@@ -56,21 +56,21 @@ void NetworkSimulation::start(EntityId rock, double time) {
 
 /// Adds the next wake of a rock by its timetable or duty cycle.
 void NetworkSimulation::next_wake(EntityId rock, double time) {
-    const RockSettings& s = rocks_[rock].settings;
+    const InstalledRockSettings& s = rocks_[rock].settings;
     const std::uint64_t version = rocks_[rock].version;
     if (s.strategy == Strategy::duty_cycled) {
         const double period = std::ceil(time / s.duty_period - 1e-9);
         return add(period * s.duty_period, Kind::wake, rock, version);
     }
     double next = std::numeric_limits<double>::infinity();
-    for (const Train& train : truth_.trains())
+    for (const ScheduledTrain& train : truth_.trains())
         if (train.planned - s.lead > time) next = std::min(next, train.planned - s.lead);
     if (std::isfinite(next)) add(next, Kind::wake, rock, version);
 }
 
 void NetworkSimulation::wake(EntityId rock, double time) {
     if (!update_energy(rock, time) || apply_changes(rock, time)) return;
-    const RockSettings& s = rocks_[rock].settings;
+    const InstalledRockSettings& s = rocks_[rock].settings;
     const bool by_timetable = s.strategy == Strategy::scheduled;
     const double end = time + (by_timetable ? s.session : s.duty_on);
     if (rocks_[rock].activity == Activity::sampling) { // the next train comes during the session
@@ -154,7 +154,7 @@ void NetworkSimulation::trigger(EntityId rock, double time, std::size_t train) {
     if (!update_energy(rock, time) || rocks_[rock].activity != Activity::armed ||
         apply_changes(rock, time))
         return;
-    const RockSettings& s = rocks_[rock].settings;
+    const InstalledRockSettings& s = rocks_[rock].settings;
     const auto& signal = signals_[rock].of_train(train);
     const std::uint64_t begin = truth_.first_sample(train);
     const auto now = static_cast<std::uint64_t>(std::llround(time * Truth::base_rate));
@@ -228,7 +228,7 @@ void NetworkSimulation::contact(EntityId rock, double time) {
 /// begins again.
 bool NetworkSimulation::apply_changes(EntityId rock, double time) {
     NetworkRock& r = rocks_[rock];
-    RockSettings settings = r.settings;
+    InstalledRockSettings settings = r.settings;
     bool changed = false;
     for (; r.changes_known < host_changes_.size(); ++r.changes_known) {
         const HostChange& at_host = host_changes_[r.changes_known];

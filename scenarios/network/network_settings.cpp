@@ -14,20 +14,20 @@ namespace {
 
 struct ChangeColumn {
     const char* name;
-    double RockSettings::*value;
+    double InstalledRockSettings::*value;
     double low, high; // both accepted
 };
 
 constexpr std::array<ChangeColumn, 9> change_columns{
-    {{"sampling_rate_Hz", &RockSettings::sampling_rate, 1, Truth::base_rate},
-     {"trigger_level_m_per_s2", &RockSettings::trigger_level, 1e-3, 1e3},
-     {"pre_trigger_s", &RockSettings::pre_trigger, 0, 60},
-     {"post_trigger_s", &RockSettings::post_trigger, 0.1, 3600},
-     {"lead_s", &RockSettings::lead, 0, 1e5},
-     {"session_s", &RockSettings::session, 1, 1e5},
-     {"duty_period_s", &RockSettings::duty_period, 1, 1e6},
-     {"duty_on_s", &RockSettings::duty_on, 0.1, 1e6},
-     {"warning_threshold_m_per_s2", &RockSettings::warning_threshold, 1e-3, 1e3}}};
+    {{"sampling_rate_Hz", &InstalledRockSettings::sampling_rate, 1, Truth::base_rate},
+     {"trigger_level_m_per_s2", &InstalledRockSettings::trigger_level, 1e-3, 1e3},
+     {"pre_trigger_s", &InstalledRockSettings::pre_trigger, 0, 60},
+     {"post_trigger_s", &InstalledRockSettings::post_trigger, 0.1, 3600},
+     {"lead_s", &InstalledRockSettings::lead, 0, 1e5},
+     {"session_s", &InstalledRockSettings::session, 1, 1e5},
+     {"duty_period_s", &InstalledRockSettings::duty_period, 1, 1e6},
+     {"duty_on_s", &InstalledRockSettings::duty_on, 0.1, 1e6},
+     {"warning_threshold_m_per_s2", &InstalledRockSettings::warning_threshold, 1e-3, 1e3}}};
 
 /// From a cell of a table; empty: no change.
 std::optional<Strategy> strategy_of(double value, const std::string& at) {
@@ -44,7 +44,7 @@ const char* name_of(Strategy strategy) {
     return names[static_cast<std::size_t>(strategy)];
 }
 
-void check_rock_settings(const RockSettings& s, const std::string& where) {
+void check_rock_settings(const InstalledRockSettings& s, const std::string& where) {
     require_sampling_rate(s.sampling_rate, where + "sampling rate");
     require(s.duty_on < s.duty_period,
             fmt::format("{}duty cycle: expected sampling for less than the period of {:g} s, found "
@@ -81,7 +81,7 @@ std::vector<SettingsChange> read_changes(const std::filesystem::path& csv, unsig
             require(value >= column.low && value <= column.high,
                     fmt::format("{}{}: expected {:g} to {:g}, found {:g}", at, column.name,
                                 column.low, column.high, value));
-            if (column.value == &RockSettings::sampling_rate)
+            if (column.value == &InstalledRockSettings::sampling_rate)
                 require_sampling_rate(value, at + column.name);
             change.values.emplace_back(column.value, value);
         }

@@ -14,7 +14,7 @@ namespace bris {
 enum class Strategy : std::uint32_t { continuous, scheduled, triggered, duty_cycled };
 
 /// Settings of a rock that can be changed after it was installed.
-struct RockSettings {
+struct InstalledRockSettings {
     Strategy strategy = Strategy::continuous;
     double sampling_rate = 200;     ///< Hz
     double trigger_level = 0.4;     ///< m/s2 at which the motion detector wakes the rock
@@ -64,12 +64,13 @@ struct SettingsChange {
     EntityId rock = 0;
     bool all = true; ///< of all rocks
     std::optional<Strategy> strategy = {};
-    std::vector<std::pair<double RockSettings::*, double>> values = {}; ///< of other settings
+    std::vector<std::pair<double InstalledRockSettings::*, double>> values =
+        {}; ///< of other settings
 };
 
 struct NetworkSettings {
     unsigned rocks = 4, hosts = 1;
-    RockSettings rock;
+    InstalledRockSettings rock;
     RockPower rock_power;
     HostPower host_power;
     double sample_bytes = 6, header_bytes = 20, warning_bytes = 32;
@@ -107,6 +108,6 @@ const char* name_of(Strategy strategy);
 std::vector<SettingsChange> read_changes(const std::filesystem::path& csv, unsigned rocks);
 
 /// Throws InputError, beginning with `where`, unless the settings can be used together.
-void check_rock_settings(const RockSettings& settings, const std::string& where);
+void check_rock_settings(const InstalledRockSettings& settings, const std::string& where);
 
 } // namespace bris

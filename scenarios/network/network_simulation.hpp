@@ -55,7 +55,7 @@ struct EnergyUse {
 /// A rock of the network, and what it keeps in its memory.
 struct NetworkRock {
     std::uint32_t host = 0;
-    RockSettings settings = {};
+    InstalledRockSettings settings = {};
     Activity activity = Activity::asleep;
     double charge = 0; ///< J, left in the battery
     EnergyUse use = {};

@@ -15,11 +15,11 @@ namespace {
 
 constexpr double rest = 1; // s, of the signal before and after a train
 
-std::vector<Train> read_timetable(const TruthSettings& s) {
+std::vector<ScheduledTrain> read_timetable(const TruthSettings& s) {
     const CsvTable table = read_csv(s.timetable);
     const auto planned = table.column("planned_s");
     const auto arrival = table.has("arrival_s") ? table.column("arrival_s") : planned;
-    std::vector<Train> trains;
+    std::vector<ScheduledTrain> trains;
     for (std::size_t k = 0; k < planned.size(); ++k) {
         const double least = trains.empty() ? rest : trains.back().arrival + s.passage + 2 * rest;
         const double at = std::isnan(arrival[k]) ? planned[k] : arrival[k];
@@ -58,10 +58,10 @@ Truth::Truth(const TruthSettings& settings, std::uint64_t seed) : settings_(sett
             trains_.push_back(
                 {planned, planned + std::clamp(settings.delay * random.normal(), -most, most)});
     }
-    std::erase_if(trains_, [&](const Train& t) {
+    std::erase_if(trains_, [&](const ScheduledTrain& t) {
         return t.arrival + settings.passage + 2 * rest > settings.duration;
     });
-    for (Train& t : trains_) t.changed = t.arrival >= settings.change_time;
+    for (ScheduledTrain& t : trains_) t.changed = t.arrival >= settings.change_time;
 }
 
 std::uint64_t Truth::first_sample(std::size_t train) const {
@@ -80,10 +80,10 @@ std::vector<double> Truth::signal(unsigned rock, std::size_t train) const {
 
 std::pair<std::size_t, std::size_t> Truth::trains_within(std::uint64_t first,
                                                          std::uint64_t end) const {
-    const auto from = std::ranges::partition_point(trains_, [&](const Train& t) {
+    const auto from = std::ranges::partition_point(trains_, [&](const ScheduledTrain& t) {
         return (t.arrival + settings_.passage + rest) * base_rate <= static_cast<double>(first);
     });
-    const auto to = std::ranges::partition_point(trains_, [&](const Train& t) {
+    const auto to = std::ranges::partition_point(trains_, [&](const ScheduledTrain& t) {
         return (t.arrival - rest) * base_rate < static_cast<double>(end);
     });
     return {static_cast<std::size_t>(from - trains_.begin()),

@@ -24,7 +24,7 @@ struct TruthSettings {
     std::filesystem::path timetable = {}; ///< CSV file: planned_s, and arrival_s if known
 };
 
-struct Train {
+struct ScheduledTrain {
     double planned = 0, arrival = 0; ///< s
     bool changed = false;            ///< whether the ballast has changed when it passes
 };
@@ -38,7 +38,7 @@ public:
     /// Throws InputError with file:line for a wrong timetable.
     Truth(const TruthSettings& settings, std::uint64_t seed);
     const TruthSettings& settings() const { return settings_; }
-    const std::vector<Train>& trains() const { return trains_; }
+    const std::vector<ScheduledTrain>& trains() const { return trains_; }
     /// Number of the base sample at which the signal of a train begins, and its length in samples.
     std::uint64_t first_sample(std::size_t train) const;
     std::uint64_t samples_per_train() const;
@@ -56,7 +56,7 @@ private:
     TruthSettings settings_;
     SyntheticVibration vibration_;
     std::uint64_t seed_;
-    std::vector<Train> trains_;
+    std::vector<ScheduledTrain> trains_;
 };
 
 /// What the device of one rock measures. Keeps the signal of the train asked for last.

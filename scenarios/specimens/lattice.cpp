@@ -7,7 +7,7 @@
 
 namespace bris {
 
-std::vector<Vec3> lattice_sites(const Lattice& l, std::size_t count,
+std::vector<Vec3> lattice_sites(const SiteLattice& l, std::size_t count,
                                 const std::function<bool(const Vec3&)>& inside) {
     constexpr double most = 1e9;
     const Vec3 places = (l.high - l.low) / l.pitch;

@@ -9,7 +9,7 @@ namespace bris::detail {
 namespace {
 
 constexpr int edge = VoxelBlocks::edge;
-constexpr Interval nothing{1, 0};
+constexpr Stretch nothing{1, 0};
 constexpr int most_lines = edge * 64;
 
 } // namespace
@@ -28,7 +28,7 @@ ColumnOfBlocks::ColumnOfBlocks(const VoxelBlocks& blocks, std::uint32_t first, s
 // that does not touch it begins another; `unite` puts them together. The union does not depend on
 // the order of the spheres.
 void ColumnOfBlocks::extend(std::uint32_t line, double low, double high) {
-    Interval& now = current_[line];
+    Stretch& now = current_[line];
     if (low <= now.high && high >= now.low) {
         now.low = std::min(now.low, low);
         now.high = std::max(now.high, high);
@@ -77,10 +77,10 @@ void ColumnOfBlocks::sort_parts() {
     for (const Part& p : parts_) sorted_[next[p.line]++] = {p.low, p.high};
 }
 
-void ColumnOfBlocks::unite(std::uint32_t line, std::vector<Interval>& parts) const {
+void ColumnOfBlocks::unite(std::uint32_t line, std::vector<Stretch>& parts) const {
     parts.assign(sorted_.begin() + line_first_[line], sorted_.begin() + line_first_[line + 1]);
     if (parts.size() < 2) return;
-    std::ranges::sort(parts, {}, &Interval::low);
+    std::ranges::sort(parts, {}, &Stretch::low);
     std::size_t last = 0;
     for (std::size_t k = 1; k < parts.size(); ++k)
         if (parts[k].low <= parts[last].high)
@@ -114,22 +114,22 @@ double ColumnOfBlocks::measure(const Container* container, VoxelField& solid, Vo
     sort_parts();
     std::vector<double> even(edge * edge * height_), odd(even.size()), empty;
     if (container != nullptr) empty.resize(even.size());
-    std::vector<Interval> parts, inside;
+    std::vector<Stretch> parts, inside;
     for (int i = 0; i < lines_; ++i)
         for (int j = 0; j < lines_; ++j) {
             const auto line = static_cast<std::uint32_t>(i * lines_ + j);
             const auto column = static_cast<std::size_t>((i / samples_) * edge + j / samples_);
             unite(line, parts);
             auto& lengths = (i % samples_ + j % samples_) % 2 == 0 ? even : odd;
-            for (const Interval& part : parts) deposit(lengths, column, part.low, part.high);
+            for (const Stretch& part : parts) deposit(lengths, column, part.low, part.high);
             if (container == nullptr) continue;
             const double x = corner_.x() + (i + 0.5) * pitch_, y = corner_.y() + (j + 0.5) * pitch_,
                          weight = container->share(x, y, pitch_);
             if (!(weight > 0)) continue;
             container->intervals(x, y, inside);
-            for (const Interval& in : inside) {
+            for (const Stretch& in : inside) {
                 double low = in.low;
-                for (const Interval& part : parts) {
+                for (const Stretch& part : parts) {
                     if (part.high <= low) continue;
                     if (part.low >= in.high) break;
                     if (part.low > low) deposit(empty, column, low, part.low, weight);

@@ -29,7 +29,7 @@ private:
     };
     void extend(std::uint32_t line, double low, double high);
     void sort_parts();
-    void unite(std::uint32_t line, std::vector<Interval>& parts) const;
+    void unite(std::uint32_t line, std::vector<Stretch>& parts) const;
     void deposit(std::vector<double>& lengths, std::size_t column, double low, double high,
                  double weight = 1) const;
     void write(const std::vector<double>& even, const std::vector<double>& odd, VoxelField& solid,
@@ -42,10 +42,10 @@ private:
     std::size_t height_;  // voxels
     double pitch_;
     Vec3 corner_;
-    std::vector<Interval> current_; // of each line; low > high: none
+    std::vector<Stretch> current_; // of each line; low > high: none
     std::vector<Part> parts_;
     std::vector<std::uint32_t> line_first_;
-    std::vector<Interval> sorted_;
+    std::vector<Stretch> sorted_;
 };
 
 } // namespace bris::detail

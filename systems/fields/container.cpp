@@ -64,9 +64,9 @@ Box3 Container::bounds() const {
     return box;
 }
 
-void Container::intervals(double x, double y, std::vector<Interval>& inside) const {
+void Container::intervals(double x, double y, std::vector<Stretch>& inside) const {
     inside.clear();
-    Interval all{bounds_.low.z(), bounds_.high.z()};
+    Stretch all{bounds_.low.z(), bounds_.high.z()};
     for (const Plane& p : planes_) {
         // (x, y, z) . normal >= point . normal
         const double beyond = p.point.dot(p.normal) - x * p.normal.x() - y * p.normal.y();
@@ -85,12 +85,12 @@ void Container::intervals(double x, double y, std::vector<Interval>& inside) con
     cut_blocked(x, y, inside);
 }
 
-void Container::cut_blocked(double x, double y, std::vector<Interval>& inside) const {
+void Container::cut_blocked(double x, double y, std::vector<Stretch>& inside) const {
     for (const Box3& box : blocked_) {
         if (x < box.low.x() || x > box.high.x() || y < box.low.y() || y > box.high.y()) continue;
-        std::vector<Interval> left;
-        for (const Interval& i : inside) {
-            const Interval below{i.low, std::min(i.high, box.low.z())},
+        std::vector<Stretch> left;
+        for (const Stretch& i : inside) {
+            const Stretch below{i.low, std::min(i.high, box.low.z())},
                 above{std::max(i.low, box.high.z()), i.high};
             if (below.low < below.high) left.push_back(below);
             if (above.low < above.high) left.push_back(above);
@@ -111,7 +111,7 @@ double Container::share(double x, double y, double width) const {
 
 // In each sector the surface is straight between the middles of adjacent rings, and vertical below
 // the first middle and above the last.
-void Container::within_tube(double x, double y, Interval all, std::vector<Interval>& inside) const {
+void Container::within_tube(double x, double y, Stretch all, std::vector<Stretch>& inside) const {
     const std::size_t sectors = tube_.outward.size(), rings = tube_.radius.size() / sectors;
     std::size_t sector = 0;
     double out = -1;

@@ -9,7 +9,7 @@
 namespace bris {
 
 /// A stretch along z, m.
-struct Interval {
+struct Stretch {
     double low, high;
 };
 
@@ -26,7 +26,7 @@ public:
     Box3 bounds() const;
     /// The parts of a vertical line through x, y that are inside, in ascending order. Sides along
     /// the x and y axes do not count here: see share.
-    void intervals(double x, double y, std::vector<Interval>& inside) const;
+    void intervals(double x, double y, std::vector<Stretch>& inside) const;
     /// Share of a square of the given width about x, y that lies between the sides along the axes.
     double share(double x, double y, double width) const;
 
@@ -43,8 +43,8 @@ private:
         double ring_height = 0;
         friend bool operator==(const Tube&, const Tube&) = default;
     };
-    void within_tube(double x, double y, Interval all, std::vector<Interval>& inside) const;
-    void cut_blocked(double x, double y, std::vector<Interval>& inside) const;
+    void within_tube(double x, double y, Stretch all, std::vector<Stretch>& inside) const;
+    void cut_blocked(double x, double y, std::vector<Stretch>& inside) const;
 
     Box3 bounds_; ///< with the planes along the axes
     std::vector<Plane> planes_;

@@ -85,7 +85,7 @@ Mat3 SensorFilter::covariance_of(MotionFilter::Part part) const {
 
 // `before`: covariance of the observed quantity before the analysis. A rejected observation has
 // gain 0.
-AnalysisStatistics SensorFilter::analysis_statistics(const Verdict& verdict,
+AnalysisStatistics SensorFilter::analysis_statistics(const ObservationResult& verdict,
                                                      MotionFilter::Part part, const Mat3& before,
                                                      double noise) const {
     AnalysisStatistics w;
@@ -101,13 +101,13 @@ AnalysisStatistics SensorFilter::analysis_statistics(const Verdict& verdict,
 Analysis SensorFilter::observe(const Measured& measured) {
     Analysis a;
     position_ = attitude_ = {};
-    const auto take = [&](const Verdict& v) {
+    const auto take = [&](const ObservationResult& v) {
         ++(v.accepted ? a.accepted : a.refused);
         a.largest_distance = std::max(a.largest_distance, v.squared_distance);
     };
     if (measured.position.allFinite()) {
         const Mat3 before = covariance_of(MotionFilter::position);
-        const Verdict v =
+        const ObservationResult v =
             filter_.observe_position(measured.position, square(measured.position_deviation));
         take(v);
         position_ =
@@ -116,9 +116,10 @@ Analysis SensorFilter::observe(const Measured& measured) {
     if (measured.velocity.allFinite())
         take(filter_.observe_velocity(measured.velocity, square(measured.velocity_deviation)));
     const auto take_attitude = [&](const Quat& q, bool is_one) {
-        if (!is_one) return take(Verdict{});
+        if (!is_one) return take(ObservationResult{});
         const Mat3 before = covariance_of(MotionFilter::rotation);
-        const Verdict v = filter_.observe_attitude(q, square(measured.attitude_deviation));
+        const ObservationResult v =
+            filter_.observe_attitude(q, square(measured.attitude_deviation));
         take(v);
         attitude_ =
             analysis_statistics(v, MotionFilter::rotation, before, measured.attitude_deviation);

@@ -97,8 +97,9 @@ private:
     void move_on(double dt, const RigidState& forecast);
     Analysis observe(const Measured& measured);
     Mat3 covariance_of(MotionFilter::Part part) const;
-    AnalysisStatistics analysis_statistics(const Verdict& verdict, MotionFilter::Part part,
-                                           const Mat3& before, double noise) const;
+    AnalysisStatistics analysis_statistics(const ObservationResult& verdict,
+                                           MotionFilter::Part part, const Mat3& before,
+                                           double noise) const;
     static Analysis difference(const RigidState& a, const RigidState& b);
 
     FilterSettings settings_;

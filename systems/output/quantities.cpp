@@ -1,6 +1,7 @@
 #include "systems/output/quantities.hpp"
 
 #include "components/body.hpp"
+#include "components/laws/edges.hpp"
 #include "components/material.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
@@ -92,6 +93,21 @@ Quantities compute_quantities(const World& world) {
     q.elastic_energy += q.element_energy;
     q.unbalanced_ratio = compute_balance(world).unbalanced_ratio;
     return q;
+}
+
+double share_at_yield(const World& world) {
+    if (!has_wear(world.resource<ContactLaw>().law)) return 0;
+    const auto& edges = world.resource<Materials>().edge_pairs;
+    double contacts = 0, at_yield = 0;
+    for_touching_pairs<SpherePairs>(world, [&](const TouchingPair& p) {
+        const EdgeRow& e = edges[p.law];
+        const Blunted<double> edge = blunt(e, p.force.overlap, p.radius, p.worn);
+        constexpr double rounding = 1e-9;
+        ++contacts;
+        if (edge.overlap >= (1 - rounding) * e.yield_ratio * e.yield_ratio * edge.radius)
+            ++at_yield;
+    });
+    return contacts > 0 ? at_yield / contacts : 0;
 }
 
 double mean_radius(const World& world) {

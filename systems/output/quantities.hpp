@@ -38,6 +38,10 @@ struct Quantities {
 /// Computes the quantities of the world after the last step. Reads only.
 Quantities compute_quantities(const World& world);
 
+/// Share of the contacts between grains that are at yield: the pressure of Hertz is the strength of
+/// their edges, and with it their friction does not change with the force. 0 without such edges.
+double share_at_yield(const World& world);
+
 /// Mean bounding radius (m) of the free bodies with spheres; NaN where there are none.
 double mean_radius(const World& world);
 

@@ -1,5 +1,10 @@
 #include "components/elasticity.hpp"
 #include "components/laws/table.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/specimens/rock_edges.hpp"
+#include "scenarios/specimens/small_scene.hpp"
+#include "systems/contact/energy_budget.hpp"
+#include "systems/output/quantities.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
@@ -260,6 +265,51 @@ TEST_SUITE("contact/edges") {
             CHECK(f.z[0] == g.z[0]);
             CHECK(f.torque_x[0] == 0);
         }
+    }
+
+    TEST_CASE("a contact is at yield while it is loaded, and not after it was unloaded a little") {
+        World world = make_world(Grains::spheres);
+        Material m = rock();
+        m.density = 1e30; // so heavy that no force moves it
+        const auto material = world.resource<Materials>().add(m);
+        add_sphere(world, Vec3::Zero(), 0.1, material);
+        const EntityId led = add_sphere(world, Vec3(0, 0, 0.2), 0.1, material, Motion::prescribed);
+        constexpr double dt = 1e-5, speed = 0.1;
+        Simulation simulation = begin(
+            std::move(world),
+            {.dt = dt, .law = LawName::hertz_edges, .energy_budget = true, .unlimited = true});
+        const auto go = [&](double velocity, unsigned steps) {
+            value_of<DriveVelocity>(simulation.world(), led) = Vec3(0, 0, velocity);
+            simulation.advance(steps);
+            return share_at_yield(simulation.world());
+        };
+        CHECK(go(-speed, 10) == 0); // 10 um: the edge yields at 16
+        CHECK(go(-speed, 30) == 1);
+        const double wear = dissipated_in_contacts(simulation.world());
+        CHECK(wear > 0);
+        CHECK(go(speed, 2) == 0);
+        CHECK(go(-speed, 4) == 1);
+    }
+
+    TEST_CASE("edges are refused by name under a law that does not read them") {
+        const auto refusal = [](const RockEdges& edges, LawName law) -> std::string {
+            try {
+                require_edges_are_read(edges, law);
+            } catch (const InputError& error) {
+                return error.what();
+            }
+            return "";
+        };
+        CHECK(refusal({}, LawName::linear) == "");
+        CHECK(refusal({.couple_arm = 0.005}, LawName::linear_edges) == "");
+        CHECK(refusal({.contact_strength = 1e9}, LawName::hertz_edges) == "");
+        CHECK(refusal({.couple_arm = 0.005}, LawName::hertz_mindlin) ==
+              "--law: expected linear_edges or hertz_edges, as --contact-strength, --friction-rise "
+              "or --couple-arm is given, found hertz_mindlin");
+        CHECK(
+            refusal({.contact_strength = 1e9}, LawName::linear_edges) ==
+            "--contact-strength: expected --law hertz_edges, as other contacts do not yield, found "
+            "linear_edges");
     }
 
     TEST_CASE("coefficients of edges are saved, and a boundary without edges has no part in them") {

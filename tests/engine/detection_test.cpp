@@ -12,10 +12,10 @@ using namespace bris;
 TEST_SUITE("engine/detection") {
     TEST_CASE("the interval of a share is that of Clopper and Pearson") {
         // 0 of n: 1 - (alpha / 2)^(1 / n); 10 of 20: published tables
-        const Interval none = binomial_interval(0, 20);
+        const ConfidenceInterval none = binomial_interval(0, 20);
         CHECK(none.low == 0);
         CHECK(none.high == doctest::Approx(1 - std::pow(0.025, 1.0 / 20)).epsilon(1e-12));
-        const Interval half = binomial_interval(10, 20);
+        const ConfidenceInterval half = binomial_interval(10, 20);
         CHECK(half.low == doctest::Approx(0.2720).epsilon(2e-4));
         CHECK(half.high == doctest::Approx(0.7280).epsilon(2e-4));
         CHECK(binomial_interval(20, 20).high == 1);
@@ -50,7 +50,7 @@ TEST_SUITE("engine/detection") {
                 a.push_back(random.normal());
                 b.push_back(random.normal() + 1);
             }
-            const Interval i = bootstrap_area_under_roc(a, b, 0.95, 300, trial);
+            const ConfidenceInterval i = bootstrap_area_under_roc(a, b, 0.95, 300, trial);
             inside += i.low < 0.7602 && 0.7602 < i.high;
         }
         CHECK(inside >= 88); // of 95 expected; three standard deviations are 6.5

@@ -113,12 +113,13 @@ void run(const Detection& given, const Common& common) {
                 std::ranges::count_if(sorted, [&](double x) { return x > limit; }));
         };
         const auto share = [&](std::size_t count) {
-            const Interval i = binomial_interval(count, sorted.size());
+            const ConfidenceInterval i = binomial_interval(count, sorted.size());
             return fmt::format("{} of {} ({:.2f}-{:.2f})", count, sorted.size(), i.low, i.high);
         };
         const std::size_t by_report = alarms(d.settings.alarm_share), by_limit = alarms(calibrated);
         const double area = area_under_roc(unseen[0], unseen[s]);
-        const Interval i = bootstrap_area_under_roc(unseen[0], unseen[s], 0.95, 2000, common.seed);
+        const ConfidenceInterval i =
+            bootstrap_area_under_roc(unseen[0], unseen[s], 0.95, 2000, common.seed);
         fmt::print("{:<20} {:>12.3f} {:>26} {:>26} {:>22}\n", states()[s].name,
                    sorted[sorted.size() / 2], share(by_report), share(by_limit),
                    s == 0 ? std::string("-")

@@ -75,22 +75,23 @@ Strained strain(const Crystal& s, double overlap, const Mat3& tensor) {
 
 } // namespace
 
-std::vector<Vec3> neighbours(Lattice lattice) {
+std::vector<Vec3> neighbours(CrystalLattice lattice) {
     std::vector<Vec3> list;
     for (int x = -1; x <= 1; ++x)
         for (int y = -1; y <= 1; ++y)
             for (int z = -1; z <= 1; ++z) {
                 const int squares = x * x + y * y + z * z;
-                if (squares ==
-                    (lattice == Lattice::simple ? 1 : (lattice == Lattice::face_centred ? 2 : 3)))
+                if (squares == (lattice == CrystalLattice::simple
+                                    ? 1
+                                    : (lattice == CrystalLattice::face_centred ? 2 : 3)))
                     list.push_back(Vec3(x, y, z).normalized());
             }
     return list;
 }
 
-double cell_volume(Lattice lattice) {
-    if (lattice == Lattice::simple) return 1;
-    return lattice == Lattice::face_centred ? 1 / std::sqrt(2.0) : 4 / (3 * std::sqrt(3.0));
+double cell_volume(CrystalLattice lattice) {
+    if (lattice == CrystalLattice::simple) return 1;
+    return lattice == CrystalLattice::face_centred ? 1 / std::sqrt(2.0) : 4 / (3 * std::sqrt(3.0));
 }
 
 void check(const Crystal& s) {
@@ -119,21 +120,21 @@ CrystalResult run_experiment(const Crystal& s) {
     return r;
 }
 
-std::vector<Neighbour> held(Lattice lattice) {
+std::vector<Neighbour> held(CrystalLattice lattice) {
     std::vector<Neighbour> list;
     for (const Vec3& n : neighbours(lattice)) list.push_back({n, 0, 0});
     return list;
 }
-std::vector<Neighbour> in_phase(Lattice lattice) {
+std::vector<Neighbour> in_phase(CrystalLattice lattice) {
     std::vector<Neighbour> list;
     for (const Vec3& n : neighbours(lattice)) list.push_back({n, 1, 1});
     return list;
 }
-std::vector<Neighbour> zone_boundary(Lattice lattice) {
+std::vector<Neighbour> zone_boundary(CrystalLattice lattice) {
     std::vector<Neighbour> list;
     for (const Vec3& n : neighbours(lattice)) {
         // points R and H: all neighbours in antiphase; X: those outside the plane x = const
-        const double sign = lattice == Lattice::face_centred && n.x() == 0 ? 1 : -1;
+        const double sign = lattice == CrystalLattice::face_centred && n.x() == 0 ? 1 : -1;
         list.push_back({n, sign, sign});
     }
     return list;

@@ -7,18 +7,18 @@
 
 namespace bris {
 
-enum class Lattice : std::uint32_t { simple, body_centred, face_centred };
+enum class CrystalLattice : std::uint32_t { simple, body_centred, face_centred };
 
 /// Unit vectors from a sphere of a lattice to its neighbours, in ascending order of x.
-std::vector<Vec3> neighbours(Lattice lattice);
+std::vector<Vec3> neighbours(CrystalLattice lattice);
 /// Volume of a sphere's cell, relative to the cube of the distance between neighbours.
-double cell_volume(Lattice lattice);
+double cell_volume(CrystalLattice lattice);
 
 /// An infinite crystal of equal spheres under isotropic pressure. Every sphere is a centre of
 /// symmetry, so under a uniform strain no sphere moves relative to its lattice site or rotates: one
 /// sphere and its neighbours, displaced by the strain, represent the whole crystal.
 struct Crystal {
-    Lattice lattice = Lattice::face_centred;
+    CrystalLattice lattice = CrystalLattice::face_centred;
     double spacing = 0.04; ///< m, between the centres of neighbours under pressure, > 0
     Material material;
     LawName law = LawName::hertz_mindlin;
@@ -46,11 +46,11 @@ struct Neighbour {
     double translation, angular_velocity;
 };
 /// All neighbours are held.
-std::vector<Neighbour> held(Lattice lattice);
+std::vector<Neighbour> held(CrystalLattice lattice);
 /// All neighbours move and rotate as the sphere does: centre of the Brillouin zone.
-std::vector<Neighbour> in_phase(Lattice lattice);
+std::vector<Neighbour> in_phase(CrystalLattice lattice);
 /// The wave of highest frequency: points R, H and X of the Brillouin zone.
-std::vector<Neighbour> zone_boundary(Lattice lattice);
+std::vector<Neighbour> zone_boundary(CrystalLattice lattice);
 /// One held neighbour, as a wall.
 std::vector<Neighbour> one_held();
 /// One neighbour with opposite displacement and equal rotation: a free pair.

@@ -52,31 +52,34 @@ void verify_chains(Checks& checks) {
 
 namespace {
 
-const char* name_of(Lattice lattice) {
-    return lattice == Lattice::simple ? "SC" : (lattice == Lattice::body_centred ? "BCC" : "FCC");
+const char* name_of(CrystalLattice lattice) {
+    return lattice == CrystalLattice::simple
+               ? "SC"
+               : (lattice == CrystalLattice::body_centred ? "BCC" : "FCC");
 }
 
 struct Moduli {
-    Lattice lattice;
+    CrystalLattice lattice;
     double pressure, c11, c12, c44;
 };
 // closed forms for spheres of diameter 40 mm and Young's modulus 5 GPa, Pa
 constexpr Moduli hertzian[]{
-    {Lattice::simple, 110e3, 1.05472799e+08, 0, 4.52026280e+07},
-    {Lattice::face_centred, 10e3, 8.80754533e+07, 3.38751743e+06, 4.40377266e+07},
-    {Lattice::face_centred, 110e3, 1.95878055e+08, 7.53377133e+06, 9.79390273e+07}};
+    {CrystalLattice::simple, 110e3, 1.05472799e+08, 0, 4.52026280e+07},
+    {CrystalLattice::face_centred, 10e3, 8.80754533e+07, 3.38751743e+06, 4.40377266e+07},
+    {CrystalLattice::face_centred, 110e3, 1.95878055e+08, 7.53377133e+06, 9.79390273e+07}};
 
 struct LinearModuli {
-    Lattice lattice;
+    CrystalLattice lattice;
     double ratio, c11, c12, c44;
 };
 // closed forms in units of kn / d
-constexpr LinearModuli linear[]{{Lattice::simple, 0.5, 1, 0, 0.25},
-                                {Lattice::body_centred, 0, 0.577350269, 0.577350269, 0.577350269},
-                                {Lattice::body_centred, 0.8, 1.501110700, 0.115470054, 0.808290377},
-                                {Lattice::face_centred, 0, 1.414213562, 0.707106781, 0.707106781},
-                                {Lattice::face_centred, 0.5, 2.121320344, 0.353553391, 1.060660172},
-                                {Lattice::face_centred, 1, 2.828427125, 0, 1.414213562}};
+constexpr LinearModuli linear[]{
+    {CrystalLattice::simple, 0.5, 1, 0, 0.25},
+    {CrystalLattice::body_centred, 0, 0.577350269, 0.577350269, 0.577350269},
+    {CrystalLattice::body_centred, 0.8, 1.501110700, 0.115470054, 0.808290377},
+    {CrystalLattice::face_centred, 0, 1.414213562, 0.707106781, 0.707106781},
+    {CrystalLattice::face_centred, 0.5, 2.121320344, 0.353553391, 1.060660172},
+    {CrystalLattice::face_centred, 1, 2.828427125, 0, 1.414213562}};
 
 void check_moduli(Checks& checks, const std::string& name, const CrystalResult& r, double scale,
                   const Vec3& exact, double tolerance) {
@@ -105,7 +108,7 @@ void verify_crystals(Checks& checks) {
         check_moduli(
             checks, fmt::format("Hertz-Mindlin {}, {:g} kPa", name_of(m.lattice), m.pressure / 1e3),
             r, 1, Vec3(m.c11, m.c12, m.c44), 1e-3);
-        if (m.lattice == Lattice::face_centred) (soft == 0 ? soft : stiff) = r.bulk;
+        if (m.lattice == CrystalLattice::face_centred) (soft == 0 ? soft : stiff) = r.bulk;
     }
     checks.absolute("Hertz-Mindlin FCC: exponent of pressure in the bulk modulus", "", 1.0 / 3,
                     std::log(stiff / soft) / std::log(11.0), 1e-3);
@@ -163,22 +166,22 @@ void verify_stability(Checks& checks) {
     checks.relative("free pair, ks = kn: largest stable step", "sqrt(m/kn)", 2 / std::sqrt(7.0),
                     limit(free_pair(), 1), tolerance, 0.02);
     struct Limit {
-        Lattice lattice;
+        CrystalLattice lattice;
         double ratio, step;
     };
     // limits from lattice dynamics, as 2 / omega of the highest frequency
-    constexpr Limit list[]{{Lattice::simple, 0, 1},
-                           {Lattice::simple, 2.0 / 7, 0.7977},
-                           {Lattice::simple, 0.5, 0.632456},
-                           {Lattice::simple, 1, 0.447214},
-                           {Lattice::body_centred, 0, 0.866140},
-                           {Lattice::body_centred, 2.0 / 7, 0.6909},
-                           {Lattice::body_centred, 0.8, 0.433013},
-                           {Lattice::body_centred, 1, 0.387298},
-                           {Lattice::face_centred, 0, 0.707107},
-                           {Lattice::face_centred, 2.0 / 7, 0.5916},
-                           {Lattice::face_centred, 0.5, 0.447214},
-                           {Lattice::face_centred, 1, 0.316228}};
+    constexpr Limit list[]{{CrystalLattice::simple, 0, 1},
+                           {CrystalLattice::simple, 2.0 / 7, 0.7977},
+                           {CrystalLattice::simple, 0.5, 0.632456},
+                           {CrystalLattice::simple, 1, 0.447214},
+                           {CrystalLattice::body_centred, 0, 0.866140},
+                           {CrystalLattice::body_centred, 2.0 / 7, 0.6909},
+                           {CrystalLattice::body_centred, 0.8, 0.433013},
+                           {CrystalLattice::body_centred, 1, 0.387298},
+                           {CrystalLattice::face_centred, 0, 0.707107},
+                           {CrystalLattice::face_centred, 2.0 / 7, 0.5916},
+                           {CrystalLattice::face_centred, 0.5, 0.447214},
+                           {CrystalLattice::face_centred, 1, 0.316228}};
     for (const Limit& l : list) {
         const double found =
             std::min(limit(in_phase(l.lattice), l.ratio), limit(zone_boundary(l.lattice), l.ratio));

@@ -209,7 +209,7 @@ TEST_SUITE("engine/estimation/motion_filter") {
         MotionFilter f = exact_filter();
         f.gate = chi_squared_quantile(0.99, 3);
         const auto before = f.covariance();
-        const Verdict verdict = f.observe_position(Vec3(1, 0, 0), 1e-6 * one);
+        const ObservationResult verdict = f.observe_position(Vec3(1, 0, 0), 1e-6 * one);
         CHECK_FALSE(verdict.accepted);
         CHECK(verdict.squared_distance > 1e5);
         CHECK(f.state.position.norm() == 0);
@@ -227,7 +227,7 @@ TEST_SUITE("engine/estimation/motion_filter") {
         MotionFilter f = exact_filter();
         f.gate = gate;
         CHECK_FALSE(f.observe_position(at(1.01 * gate), 1e-6 * one).accepted);
-        const Verdict near = f.observe_position(at(0.99 * gate), 1e-6 * one);
+        const ObservationResult near = f.observe_position(at(0.99 * gate), 1e-6 * one);
         CHECK(near.accepted);
         CHECK(near.squared_distance == about(0.99 * gate).epsilon(1e-9));
     }

@@ -80,8 +80,8 @@ TEST_SUITE("engine/signal/control_chart") {
         // subgroups of 5 of an AR(1) process with 0.5: the variance of a mean is 2.225 times that
         // of independent values, three-sigma limits are 2.011 sigma, 1 / P(|z| > 2.011) = 22.6
         const auto x = baseline_of(half, 400'000);
-        const ControlChart naive = mean_chart(Runs(&x, 1), 5, 3, Limits::independent),
-                           corrected = mean_chart(Runs(&x, 1), 5, 3, Limits::corrected);
+        const ControlChart naive = mean_chart(Runs(&x, 1), 5, 3, ControlLimits::independent),
+                           corrected = mean_chart(Runs(&x, 1), 5, 3, ControlLimits::corrected);
         CHECK(naive.deviation == doctest::Approx(std::sqrt(0.2)).epsilon(0.01));
         CHECK(corrected.deviation == doctest::Approx(std::sqrt(0.2 * 2.225)).epsilon(0.01));
         const double by_naive = mean_run_length(20'000, separate_subgroups(naive, 1)),
@@ -95,7 +95,7 @@ TEST_SUITE("engine/signal/control_chart") {
         const auto x = baseline_of(half, 400'000);
         const auto model = burg(Runs(&x, 1), 1).back();
         const auto e = residuals_of(model, x);
-        const ControlChart chart = mean_chart(Runs(&e, 1), 5, 3, Limits::independent);
+        const ControlChart chart = mean_chart(Runs(&e, 1), 5, 3, ControlLimits::independent);
         const double length = mean_run_length(10'000, [&](std::size_t run) {
             return [&, process = ArSeries(half, 5, run, 20), last = 0.0]() mutable {
                 double sum = 0; // the chart goes on along one series
@@ -158,8 +158,10 @@ TEST_SUITE("engine/signal/control_chart") {
 
     TEST_CASE("a baseline that is too short or constant gives no chart") {
         const std::vector<double> constant(100, 2.0), few{1, 2};
-        CHECK_THROWS_AS((void)mean_chart(Runs(&constant, 1), 5, 3, Limits::corrected), InputError);
+        CHECK_THROWS_AS((void)mean_chart(Runs(&constant, 1), 5, 3, ControlLimits::corrected),
+                        InputError);
         CHECK_THROWS_AS((void)deviation_chart(Runs(&constant, 1), 5, 3), InputError);
-        CHECK_THROWS_AS((void)mean_chart(Runs(&few, 1), 5, 3, Limits::independent), InputError);
+        CHECK_THROWS_AS((void)mean_chart(Runs(&few, 1), 5, 3, ControlLimits::independent),
+                        InputError);
     }
 }

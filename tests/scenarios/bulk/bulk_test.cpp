@@ -100,7 +100,7 @@ double rate(const Discharge& d) {
 
 TEST_SUITE("bulk/bulk") {
     TEST_CASE("a vessel that is far too wide for its spheres is refused instead of searched") {
-        const Lattice wide{Vec3(-100, -100, 0), Vec3(100, 100, 100), 0.01, 0.02, 1};
+        const SiteLattice wide{Vec3(-100, -100, 0), Vec3(100, 100, 100), 0.01, 0.02, 1};
         const auto nowhere = [](const Vec3&) { return false; };
         CHECK_THROWS_WITH_AS(lattice_sites(wide, 5, nowhere),
                              doctest::Contains("expected a vessel with at most 1e+09 places"),

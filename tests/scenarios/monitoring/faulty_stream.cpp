@@ -188,7 +188,7 @@ DayResult follow(const TrainDay& day, std::vector<Sent> samples, Way way,
 }
 
 RestartedDay follow_restarted(const TrainDay& day, std::vector<Sent> samples, Way way,
-                              Interval down, double ahead) {
+                              PassageInterval down, double ahead) {
     const TemporaryDirectory folder;
     const auto path = folder / "stream.ndjson";
     const auto records = way == Way::broker ? LoggedRecords::messages : LoggedRecords::lines;

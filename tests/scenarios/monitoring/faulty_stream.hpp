@@ -57,6 +57,6 @@ struct RestartedDay {
     DayResult found, replayed;
 };
 RestartedDay follow_restarted(const TrainDay& day, std::vector<Sent> samples, Way way,
-                              Interval down, double ahead);
+                              PassageInterval down, double ahead);
 
 } // namespace bris::testing

@@ -173,7 +173,7 @@ TEST_SUITE("network/simulation") {
         s.changes = {{.time = 3600,
                       .rock = 1,
                       .all = false,
-                      .values = {{&RockSettings::sampling_rate, 100.0}}}};
+                      .values = {{&InstalledRockSettings::sampling_rate, 100.0}}}};
         NetworkSimulation n(s, truth, 1);
         n.run();
         const auto& rocks = n.rocks();
