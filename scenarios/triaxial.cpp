@@ -1,6 +1,6 @@
-// Drained triaxial compression of railway ballast (clumps of 30 spheres) inside a servo membrane of
-// 8 rings x 12 elements, after the SmartRock report: one specimen is tested at each confining
-// pressure.
+// Drained triaxial compression or load cycles of railway ballast (clumps of 30 spheres) inside a
+// servo membrane of 8 rings x 12 elements, after the SmartRock report: one specimen is tested at
+// each confining pressure.
 
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
@@ -10,6 +10,7 @@
 #include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/specimens/material_card_file.hpp"
 #include "scenarios/specimens/write_option.hpp"
+#include "scenarios/triaxial/cyclic_results.hpp"
 #include "scenarios/triaxial/make_specimen.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
@@ -37,6 +38,7 @@ struct FouledTriaxial : Triaxial {
             "material", material, "",
             "Material card (card.csv of material_card), which gives the friction and the contact "
             "stiffness of the rocks instead of --friction and --clump-stiffness. Empty: none.");
+        test.cycles.declare_options(option);
         fouling.declare_options(option);
         option.group("Files");
         written.declare_options(option, write_of_clumps);
@@ -47,6 +49,12 @@ TriaxialSettings settings_at(const Triaxial& t, double pressure) {
     TriaxialSettings settings = t.test;
     settings.confining_pressure = pressure;
     return settings;
+}
+
+/// Stages of a monotonic test.
+std::size_t stages_of(const TriaxialSettings& settings) {
+    return static_cast<std::size_t>(
+        std::llround(settings.final_axial_strain / settings.stage_strain));
 }
 
 // settings of one test: of several pressures, only its own
@@ -98,13 +106,18 @@ public:
     /// Begins with the specimen, or resumes from the checkpoint of this test if there is one.
     void begin(const std::filesystem::path& checkpoint);
     void run();
-
-    const TriaxialState& state() const { return test_.state(); }
     Report summary() const;
+    /// Draws curves or cycles of some tests into a folder.
+    static void draw(const std::filesystem::path& folder, const TriaxialSettings& settings,
+                     const std::vector<const Test*>& tests);
 
 private:
+    const TriaxialState& state() const { return test_.state(); }
     bool advance();
+    void write_curves() const;
     void record();
+    bool is_last_row() const;
+    void add_to_summary_of_cycles(Report& summary) const;
     void finish();
     /// Path of a file of the whole test, or of the part since it was resumed.
     std::filesystem::path file(const std::string& name, const char* extension) const {
@@ -147,7 +160,7 @@ void Test::run() {
         run_.go({{.advance = [this](Simulation&) { return advance(); },
                   .progress = [this](const World&) { return test_.progress(); }}});
     } catch (...) { // keep the part of the curve that was computed
-        if (!state().curves.empty()) write_stages(common_.out / "curve.csv", state().curves);
+        if (!state().curves.empty()) write_curves();
         throw;
     }
     finish();
@@ -160,20 +173,31 @@ bool Test::advance() {
     return goes_on;
 }
 
+void Test::write_curves() const {
+    write_stages(common_.out / "curve.csv", state().curves);
+    if (settings_.cycles.are_given()) write_cycles(common_.out, state().cyclic);
+}
+
+/// Whether the stage that has just ended is the last one.
+bool Test::is_last_row() const {
+    if (settings_.cycles.are_given()) return state().phase == TriaxialPhase::done;
+    return state().stage == stages_of(settings_);
+}
+
 void Test::record() {
     const TestCurves& curves = test_.state().curves;
     if (curves.size() <= recorded_) return;
     recorded_ = curves.size();
     const std::size_t stage = curves.size() - 1;
-    const auto stages = static_cast<std::size_t>(
-        std::llround(settings_.final_axial_strain / settings_.stage_strain));
     const World& world = simulation_.world();
     if (stage == 0) write_sensor_drift(common_.out / "sensor_rocks.csv", world);
     if (!frames_)
         frames_ = std::make_unique<FrameWriter>(file("triaxial", ".vtkhdf"), common_.settings,
                                                 shared_.settings.written.extras());
-    const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
-    if (stage % shared_.settings.frame_stages != 0 && !shown) return;
+    const bool cyclic = settings_.cycles.are_given();
+    const bool shown =
+        stage == 0 || is_last_row() || (!cyclic && stage == stages_of(settings_) / 2);
+    if (!cyclic && stage % shared_.settings.frame_stages != 0 && !shown) return;
     const BodyFrame frame = frame_of_bodies(world);
     frames_->add(world, frame);
     if (!shown) return;
@@ -184,13 +208,13 @@ void Test::record() {
         return sensor ? Colour{230, 120, 20} : rock_colour(id);
     }));
     views_.back().caption = fmt::format("{:.1f} %", 100 * curves[quantity::axial_strain].back());
+    if (cyclic) views_.back().caption += fmt::format(", {} cycles", state().stage);
 }
 
 void Test::finish() {
-    write_stages(common_.out / "curve.csv", test_.state().curves);
+    write_curves();
     frames_.reset();
-    draw_curves(common_.out / "curves.png",
-                {{label_of(settings_.confining_pressure), &test_.state().curves}});
+    draw(common_.out, settings_, {this});
     if (!views_.empty())
         draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
     if (shared_.settings.fouling.any()) {
@@ -203,11 +227,44 @@ void Test::finish() {
     write_results(common_, summary());
 }
 
+void Test::draw(const std::filesystem::path& folder, const TriaxialSettings& settings,
+                const std::vector<const Test*>& tests) {
+    std::vector<LabelledCurves> curves;
+    std::vector<LabelledCycles> cycles;
+    for (const Test* test : tests) {
+        const std::string label = label_of(test->settings_.confining_pressure);
+        curves.push_back({label, &test->state().curves});
+        cycles.push_back({label, &test->state().cyclic});
+    }
+    if (settings.cycles.are_given())
+        draw_cycles(folder / "cycles.png", cycles);
+    else
+        draw_curves(folder / "curves.png", curves);
+}
+
+void Test::add_to_summary_of_cycles(Report& summary) const {
+    const TriaxialState& s = state();
+    summary.add(named_values_of(s.cyclic));
+    summary.add("relative_energy_error",
+                properties_of(s.curves, settings_.confining_pressure).relative_energy_error);
+    summary.add("final_axial_strain", s.curves[quantity::axial_strain].back());
+    if (!settings_.cycles.are_quasi_static())
+        summary.show_sentence("The masses of the cycles are the true ones.");
+    if (s.stage < settings_.cycles.count)
+        summary.show_sentence(fmt::format("The specimen failed in cycle {} of {}: axial strain "
+                                          "{:.3g} % (--largest-axial-strain).",
+                                          s.stage + 1, settings_.cycles.count,
+                                          100 * s.curves[quantity::axial_strain].back()));
+}
+
 Report Test::summary() const {
     const TriaxialState& s = test_.state();
     Report summary;
     summary.add("confining_pressure_Pa", settings_.confining_pressure);
-    summary.add(named_values_of(properties_of(s.curves, settings_.confining_pressure)));
+    if (settings_.cycles.are_given())
+        add_to_summary_of_cycles(summary);
+    else
+        summary.add(named_values_of(properties_of(s.curves, settings_.confining_pressure)));
     summary.add("core_porosity", s.core_porosity);
     summary.add("core_porosity_after_preparation", s.prepared_porosity);
     summary.add("core_porosity_as_poured", s.poured_porosity);
@@ -231,11 +288,18 @@ Report Test::summary() const {
         summary.add("preparation_steps", made.steps);
         summary.add("preparation_wall_time_s", made.count.wall_time);
     }
-    summary.show({"peak_q_Pa", "strain_at_peak", "peak_friction_angle_deg",
-                  "mean_q_last_quarter_Pa", "secant_modulus_E50_Pa", "poisson_ratio_E50",
-                  "final_volumetric_strain", "core_porosity", "diameter_over_largest_rock",
-                  "worst_ring_pressure_error", "worst_boundary_contact_stress_mismatch",
-                  "relative_energy_error", "wall_time_s"});
+    if (settings_.cycles.are_given())
+        summary.show({"load_cycles", "final_axial_strain", "permanent_axial_strain",
+                      "permanent_volumetric_strain", "axial_strain_in_last_decade",
+                      "axial_strain_in_decade_before", "resilient_modulus_Pa",
+                      "resilient_poisson_ratio", "damping_ratio"});
+    else
+        summary.show({"peak_q_Pa", "strain_at_peak", "peak_friction_angle_deg",
+                      "mean_q_last_quarter_Pa", "secant_modulus_E50_Pa", "poisson_ratio_E50",
+                      "final_volumetric_strain"});
+    summary.show({"core_porosity", "diameter_over_largest_rock", "worst_ring_pressure_error"});
+    if (!settings_.cycles.are_given()) summary.show({"worst_boundary_contact_stress_mismatch"});
+    summary.show({"relative_energy_error", "wall_time_s"});
     return summary;
 }
 
@@ -314,13 +378,13 @@ void show_card(Report& summary, const FouledTriaxial& t) {
 
 void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& done) {
     Report all;
-    std::vector<LabelledCurves> curves;
+    std::vector<const Test*> tests;
     const auto& pressures = shared.settings.confining_pressure;
     for (std::size_t k = 0; k < done.size(); ++k) {
         all.add_part(done.size() > 1 ? folder_of(pressures[k]) : "", done[k]->summary());
-        curves.push_back({label_of(pressures[k]), &done[k]->state().curves});
+        tests.push_back(done[k].get());
     }
-    if (done.size() > 1) draw_curves(shared.common.out / "curves.png", curves);
+    if (done.size() > 1) Test::draw(shared.common.out, shared.settings.test, tests);
     show_card(all, shared.settings);
     report_results(shared.common, all);
 }
@@ -351,6 +415,7 @@ void check_options(const FouledTriaxial& given, const Common& typed) {
                        std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())),
                        common.memory_limit);
     check_test(t);
+    check_cycles(t.test.cycles, t.specimen.law, std::ranges::min(t.confining_pressure));
     check_fouling(t.fouling);
     Resume(common.resume, t.confining_pressure.size()).require_same_settings(t, common);
     say_how_read(grading_named(t.grading));
@@ -370,8 +435,10 @@ void run(const FouledTriaxial& given, const Common& typed) {
     Shared shared{t, common, scene, progress, {}};
     if (from.test.empty()) shared.specimen = make_specimen(shared, from.specimen);
     if (tests > 1)
-        progress.begin_job(static_cast<double>(tests) *
-                           (1 + t.test.final_axial_strain / t.test.stage_strain));
+        progress.begin_job(
+            static_cast<double>(tests) *
+            (1 + (t.test.cycles.are_given() ? t.test.cycles.count
+                                            : static_cast<double>(stages_of(t.test)))));
     std::vector<std::unique_ptr<Test>> done(tests);
     run_ensemble(tests, at_once, [&](std::size_t k) {
         const std::filesystem::path folder = folder_in(t, t.confining_pressure[k]);
@@ -401,8 +468,8 @@ int main(int argc, char** argv) {
     return bris::run_scenario<bris::FouledTriaxial>(
         argc, argv,
         {.name = "triaxial",
-         .description =
-             "Drained triaxial compression of railway ballast in a servo-controlled membrane.",
+         .description = "Drained triaxial compression or load cycles of railway ballast in a "
+                        "servo-controlled membrane.",
          .divides = true},
         bris::check_options, bris::run, bris::explain);
 }

@@ -58,6 +58,13 @@ public:
             values_[k].push_back(sample.*columns[k].value);
     }
 
+    Sample at(std::size_t row) const {
+        Sample sample;
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            sample.*columns[k].value = values_[k].at(row);
+        return sample;
+    }
+
     const std::vector<double>& operator[](double Sample::*number) const {
         return values_[place_of(number)];
     }

@@ -92,6 +92,7 @@ void TriaxialTest::start_shear() {
     }
     // not before: a large rock may still press a small one as it did while the specimen was tapped
     world.resource<Limits>().impact_allowance = 1;
+    if (settings_.cycles.are_given()) return start_cycles();
     platen.controlled = false;
     platen.speed = 0;
     state.phase = TriaxialPhase::shear;

@@ -48,11 +48,10 @@ void TriaxialTest::add_stage() {
     const World& world = simulation_.world();
     const TriaxialState& s = state();
     const auto& membrane = world.resource<Membrane>();
-    const auto& specimen = world.resource<Specimen>();
     const Table& bodies = world.table<Bodies>();
     const auto rows = rows_by_id(bodies.column<BodyId>());
-    const double top = bodies.column<Position>()[rows[specimen.top]].z();
-    const double volume = specimen_volume(world);
+    const SpecimenLoad now = specimen_load(world);
+    const double volume = now.volume;
 
     using namespace quantity;
     const auto p = simulation_.world().resource<TriaxialState>().curves.add_row();
@@ -63,20 +62,15 @@ void TriaxialTest::add_stage() {
         p[mean_ring_error] += error / static_cast<double>(membrane.pressure.size());
     }
     const Table& elements = world.table<Elements>();
-    double area = 0, push = 0;
     for (unsigned r = 0; r < membrane.rings; ++r) p.part(ring_radius, r) = 0;
     for (std::size_t e = 0; e < elements.size(); ++e) {
         p.part(ring_radius, e / membrane.sectors) +=
             elements.column<ElementRadius>()[e] / membrane.sectors;
-        push += elements.column<ElementPush>()[e];
-        area += elements.column<ElementArea>()[e];
     }
-    const auto force = bodies.column<Force>();
-    p[axial_stress] =
-        0.5 * (force[rows[specimen.top]].z() - force[rows[specimen.bottom]].z()) * top / volume;
-    p[radial_stress] = push / area;
+    p[axial_stress] = now.axial_stress;
+    p[radial_stress] = now.radial_stress;
     p[deviatoric_stress] = p[axial_stress] - p[radial_stress];
-    p[axial_strain] = s.height > 0 ? 1 - top / s.height : 0;
+    p[axial_strain] = s.height > 0 ? 1 - now.height / s.height : 0;
     p[volumetric_strain] = s.volume > 0 ? 1 - volume / s.volume : 0;
 
     const Stresses stresses = compute_stresses(world);

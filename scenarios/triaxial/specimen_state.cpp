@@ -28,6 +28,21 @@ double specimen_volume(const World& world) {
                            world.column<Elements, ElementRadius>().data(), platen_height(world));
 }
 
+SpecimenLoad specimen_load(const World& world) {
+    const auto& specimen = world.resource<Specimen>();
+    const auto force = world.column<Bodies, Force>();
+    const Table& elements = world.table<Elements>();
+    double area = 0, push = 0;
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        push += elements.column<ElementPush>()[e];
+        area += elements.column<ElementArea>()[e];
+    }
+    const double top = platen_height(world), volume = specimen_volume(world),
+                 on_top = force[row_of_body(world, specimen.top)].z(),
+                 on_bottom = force[row_of_body(world, specimen.bottom)].z();
+    return {top, volume, 0.5 * (on_top - on_bottom) * top / volume, push / area};
+}
+
 CylinderRegion core(const World& world) {
     const double wall = membrane_radius(world), top = platen_height(world);
     return {0.6 * wall, 0.25 * top, 0.75 * top};

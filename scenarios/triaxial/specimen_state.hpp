@@ -16,6 +16,13 @@ double platen_height(const World& world);
 /// Volume (m3) inside the membrane and the platens.
 double specimen_volume(const World& world);
 
+/// Size of a specimen and the stresses of its boundaries in the last step; compression positive.
+struct SpecimenLoad {
+    double height, volume;              ///< m, m3
+    double axial_stress, radial_stress; ///< Pa
+};
+SpecimenLoad specimen_load(const World& world);
+
 /// The core, the region in which porosity is measured: 0.6 of the radius, the middle half of the
 /// height.
 CylinderRegion core(const World& world);

@@ -42,6 +42,7 @@ void TriaxialState::save(Archive& archive) const {
     archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
     put_fields(archive, "triaxial/numbers", fields(*this));
     save_curves(archive, "triaxial", curves);
+    cyclic.save(archive);
 }
 
 void TriaxialState::load(const Archive& archive) {
@@ -55,6 +56,7 @@ void TriaxialState::load(const Archive& archive) {
     accepted = counts.at(6) != 0;
     get_fields(archive, "triaxial/numbers", fields(*this));
     curves = load_curves(archive, "triaxial");
+    cyclic.load(archive);
 }
 
 TriaxialTest::TriaxialTest(Simulation& simulation, TriaxialSettings settings)
@@ -72,12 +74,19 @@ void TriaxialTest::run(std::uint64_t steps) {
     simulation_.world().resource<TriaxialState>().phase_steps += steps;
 }
 
+/// The frequency of load cycles is that of the true masses.
+bool TriaxialTest::masses_are_scaled() const {
+    const TriaxialPhase phase = state().phase;
+    if (phase < TriaxialPhase::consolidate) return true;
+    return settings_.mass_scaling &&
+           (phase != TriaxialPhase::cycle || settings_.cycles.are_quasi_static());
+}
+
 // for the contacts of the last step
 void TriaxialTest::rescale() {
     World& world = simulation_.world();
-    const bool scaled = settings_.mass_scaling || state().phase < TriaxialPhase::consolidate;
-    const double dt = scaled ? scale_masses(world, 0, settings_.safety, false).dt
-                             : settings_.safety * restore_masses(world);
+    const double dt = masses_are_scaled() ? scale_masses(world, 0, settings_.safety, false).dt
+                                          : settings_.safety * restore_masses(world);
     world.resource<Clock>().change_step(dt);
 }
 
@@ -86,7 +95,7 @@ void TriaxialTest::rescale() {
 void TriaxialTest::keep_stable() {
     World& world = simulation_.world();
     auto& clock = world.resource<Clock>();
-    if (settings_.mass_scaling) {
+    if (masses_are_scaled()) {
         scale_masses(world, clock.dt, settings_.safety, true);
         return;
     }
@@ -114,6 +123,9 @@ bool TriaxialTest::advance() {
     case TriaxialPhase::shear:
         shear();
         break;
+    case TriaxialPhase::cycle:
+        cycle();
+        break;
     case TriaxialPhase::done:
         break;
     }
@@ -125,13 +137,14 @@ bool TriaxialTest::is_in_equilibrium() {
     const Balance balance = compute_balance(world);
     unbalanced_ratio_ = balance.unbalanced_ratio;
     pressure_error_ = stress_mismatch_ = 0;
-    const auto consider = [&](double pressure) {
-        const double error = std::abs(pressure / settings_.confining_pressure - 1);
+    const auto consider = [&](double pressure, double wanted) {
+        const double error = std::abs(pressure / wanted - 1);
         if (!(error <= pressure_error_)) pressure_error_ = error; // also if it is not a number
     };
     const auto& platen = world.resource<Platen>();
-    if (platen.controlled) consider(platen.pressure);
-    for (const double pressure : world.resource<Membrane>().pressure) consider(pressure);
+    if (platen.controlled) consider(platen.pressure, platen.wanted);
+    for (const double pressure : world.resource<Membrane>().pressure)
+        consider(pressure, settings_.confining_pressure);
     if (!carries_load(balance)) return false;
     if (!(balance.unbalanced_ratio <= settings_.tolerance)) return false;
     if (!(pressure_error_ <= settings_.pressure_tolerance)) return false;
@@ -179,6 +192,8 @@ PhaseProgress TriaxialTest::progress() const {
                             s.curves.empty() ? 0.0
                                              : s.curves[quantity::deviatoric_stress].back() / 1e3),
                 static_cast<double>(s.curves.size())};
+    case TriaxialPhase::cycle:
+        return cycles_progress();
     case TriaxialPhase::done:
         break;
     }

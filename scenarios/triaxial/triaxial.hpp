@@ -4,6 +4,7 @@
 #include "engine/simulation.hpp"
 #include "scenarios/records/test_curves.hpp"
 #include "scenarios/specimens/specimen.hpp"
+#include "scenarios/triaxial/load_cycles.hpp"
 
 #include <string>
 #include <tuple>
@@ -50,10 +51,20 @@ struct TriaxialSettings {
     /// Scale masses from consolidation on; otherwise masses are true and the time step follows the
     /// contacts.
     bool mass_scaling = true;
-    bool gravity = false; ///< from consolidation on; while the specimen is made there is none
+    bool gravity = false;   ///< from consolidation on; while the specimen is made there is none
+    LoadCycles cycles = {}; ///< after consolidation, instead of shearing
 };
 
-enum class TriaxialPhase : std::uint32_t { fill, compress, vibrate, tap, consolidate, shear, done };
+enum class TriaxialPhase : std::uint32_t {
+    fill,
+    compress,
+    vibrate,
+    tap,
+    consolidate,
+    shear,
+    done,
+    cycle
+};
 
 /// The state of a test, sufficient to resume from any block of steps.
 struct TriaxialState {
@@ -81,8 +92,10 @@ struct TriaxialState {
     bool accepted = false;    ///< by the last of them
     /// rad, largest rotation of a sensor rock from its given attitude, at the start of shearing.
     double rotation = 0;
-    /// One row at the start of shearing, and one at the end of each stage.
+    /// One row at the start of shearing, and one at the end of each stage; of load cycles, of those
+    /// that are shown (is_shown_cycle) and the last one, whose number is the stage.
     TestCurves curves;
+    CyclicState cyclic;
 
     static auto fields(auto& self) {
         return std::tie(self.height, self.volume, self.drift, self.rotation, self.core_porosity,
@@ -96,7 +109,7 @@ struct TriaxialState {
 
 /// Runs a triaxial test block by block, so that it can be observed, saved and stopped after any
 /// block. The members are defined by phase in fill.cpp, compress.cpp, vibrate.cpp, tap.cpp,
-/// trial.cpp, consolidate.cpp and shear.cpp.
+/// trial.cpp, consolidate.cpp, shear.cpp and cycle.cpp.
 class TriaxialTest {
 public:
     TriaxialTest(Simulation& simulation, TriaxialSettings settings);
@@ -143,6 +156,13 @@ private:
     void consolidate();
     void start_shear();
     void shear();
+    void start_cycles();
+    void cycle();
+    void start_half_cycle();
+    void end_half_cycle();
+    void end_cycle();
+    void add_load_point();
+    bool masses_are_scaled() const;
     void move_platen();
     bool analyse();
     void add_stage();
@@ -153,6 +173,7 @@ private:
     std::string preparation_status() const;
     std::string consolidation_status() const;
     std::string equilibrium_status() const;
+    PhaseProgress cycles_progress() const;
 
     Simulation& simulation_;
     TriaxialSettings settings_;

@@ -57,7 +57,7 @@ struct Triaxial {
         option("stage_strain", test.stage_strain, "", "Axial strain of a stage.",
                within(1e-6, 1e-2));
         option("final_axial_strain", test.final_axial_strain, "",
-               "Axial strain at which the test ends.", within(1e-4, 0.12));
+               "Axial strain at which the test ends.", within(1e-4, 0.3));
         option("tolerance", test.tolerance, "",
                "Unbalanced force ratio below which the specimen is in equilibrium.",
                within(1e-8, 0.1));

@@ -68,12 +68,17 @@ double membrane_volume(const Membrane& membrane, const double* radius, double to
 
 double ServoMotion::next(double speed, double force, double touching) {
     constexpr double safety = 0.9; // mass = stiffness * (dt / safety)^2, as for scaled bodies
-    if (touching > stiffness) {
-        speed *= stiffness / touching; // momentum is conserved
+    const double lightest = (dt / safety) * (dt / safety);
+    const auto heavier = [&] { return std::max(1.0, least_mass / (stiffness * lightest)); };
+    if (touching > stiffness) { // momentum is conserved
+        const double before = heavier();
+        speed *= stiffness / touching;
         stiffness = touching;
+        speed *= before / heavier();
     }
     // the damping needs the speed at the time of the force, half a step later
-    const double kick = safety * safety * force / stiffness, now = speed * dt + 0.5 * kick;
+    const double kick = safety * safety * force / stiffness / heavier(),
+                 now = speed * dt + 0.5 * kick;
     const double driven = force * now > 0 ? 1 - damping : force * now < 0 ? 1 + damping : 1;
     return std::clamp(speed * dt + driven * kick, -largest_step, largest_step) / dt;
 }

@@ -48,6 +48,7 @@ struct ServoMotion {
     /// N/m, the largest so far: a wall must not become lighter when it loses contacts.
     double& stiffness;
     double damping, largest_step, dt;
+    double least_mass = 0; ///< kg; 0: the mass that the time step requires
     /// Speed (m/s) after one step, for a resultant force (N) and the present contact stiffness
     /// (N/m).
     double next(double speed, double force, double touching);

@@ -30,8 +30,11 @@ void servo_platen(
         const double aim = platen.aim.next(platen.target_pressure);
         const double stiffness =
             platen.contact_stiffness * (1 + static_cast<double>(platen.contacts));
-        ServoMotion servo{platen.stiffness, platen.damping, platen.largest_step, clock.dt};
-        platen.speed = servo.next(platen.speed, aim * area - push, stiffness);
+        const double load = platen.axial_load.force(clock.time(), area);
+        platen.wanted = aim + load / area;
+        ServoMotion servo{platen.stiffness, platen.damping, platen.largest_step, clock.dt,
+                          platen.axial_load.mass};
+        platen.speed = servo.next(platen.speed, aim * area + load - push, stiffness);
     }
     Vec3& position = bodies.column<Position>()[host];
     bodies.column<Velocity>()[host] = Vec3(0, 0, -platen.speed);

@@ -19,7 +19,8 @@ void count_platen_contacts(Rows<NearPlanes, const NearPair> near,
 
 /// Moves the top platen (Motion::servo) by one step: at its given speed or, where `controlled`, as
 /// its force balance requires (ServoMotion). The balance is between the force of the grains and the
-/// set point of the pressure (PressureAim) on the mean area inside the membrane. The servo uses the
+/// set point of the pressure (PressureAim) on the mean area inside the membrane, with the axial
+/// load of a cyclic test (LoadRamp). The servo uses the
 /// forces of this same step, because a speed that lags by a step would amplify the oscillation of
 /// the platen. A platen that reaches the bottom, z = 0, has met no grains: this is recorded in
 /// Health and stops the run.

@@ -37,8 +37,9 @@ Keys keys_of_sources() {
           "scenarios/triaxial.cpp", "scenarios/specimens/fouling_options.cpp",
           "scenarios/smart_triaxial.cpp", "scenarios/library/smart_results.cpp"})
         collect(keys, source(path), plain);
-    for (const char* path : {"engine/version.cpp", "scenarios/triaxial/triaxial_results.cpp",
-                             "scenarios/ensemble/learning_results.cpp"})
+    for (const char* path :
+         {"engine/version.cpp", "scenarios/triaxial/triaxial_results.cpp",
+          "scenarios/triaxial/cyclic_results.cpp", "scenarios/ensemble/learning_results.cpp"})
         collect(keys, source(path), listed);
     const std::string smart = source("scenarios/library/smart_results.cpp");
     for (const char* whose : {"DEM_only_rmse_", "fused_rmse_"}) {

@@ -64,6 +64,7 @@ struct Stop {
     Words words; ///< without --out
     int signal = SIGINT;
     double after = 0; ///< s
+    int own_code = 0; ///< exit code if it has ended by itself before
 };
 
 /// What went wrong; empty: nothing.
@@ -89,7 +90,7 @@ std::string fault_of(const Stop& stop) {
     const bool was_loaded = fs::exists(out) || outcome.code >= 0;
     if (!was_loaded && outcome.signal == stop.signal) return {};
     if (outcome.code == 4 && outcome.err.find("mosquitto") != std::string::npos) return {};
-    if (outcome.code != 130 && outcome.code != 0) return "ended otherwise: " + what;
+    if (outcome.code != 130 && outcome.code != stop.own_code) return "ended otherwise: " + what;
     // on a loaded machine the processor time counts
     if (outcome.hung || (waited > longest * slower && used > longest * slower))
         return "too late: " + what;
@@ -200,8 +201,9 @@ TEST_SUITE("faults/stopping") {
     TEST_CASE("a program that reads a file of very many columns ends at once") {
         const TemporaryDirectory folder;
         const auto csv = wide_csv(folder.path(), 300'000).string();
-        check({{{"recordings", "--new", csv}, SIGINT, 0.5},
-               {{"material_card", "--test", csv}, SIGTERM, 0.5}});
+        // the columns are not those of a recording, which a fast machine finds out sooner
+        check({{{"recordings", "--new", csv}, SIGINT, 0.5, 2},
+               {{"material_card", "--test", csv}, SIGTERM, 0.2, 2}});
     }
 }
 
