@@ -30,14 +30,13 @@ constexpr double largest_step = 1e-5;
 void set_damping(World& world, double restitution, double local) {
     auto& materials = world.resource<Materials>();
     const auto& specimen = std::as_const(world).resource<Specimen>();
-    for (const auto rock : {specimen.rock_material, specimen.sensor_material})
-        materials.list[rock].restitution = restitution;
-    if (restitution < 1)
-        for (const auto rock : {specimen.rock_material, specimen.sensor_material})
-            for (const auto wall : {specimen.membrane_material, specimen.platen_material})
-                materials.set_pair(rock, wall, {.restitution = 1});
-    materials.mix();
     world.resource<LocalDamping>().fraction = local;
+    if (restitution == 1) return;
+    for (const auto rock : {specimen.rock_material, specimen.sensor_material}) {
+        materials.list[rock].restitution = restitution;
+        for (const auto wall : {specimen.membrane_material, specimen.platen_material})
+            materials.set_pair(rock, wall, {.restitution = 1});
+    }
 }
 
 } // namespace
