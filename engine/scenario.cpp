@@ -134,12 +134,20 @@ struct CommonFlags {
     double memory = 0;
     unsigned ranks = 1;
 
-    void declare_options(Options& option, Common& common) {
+    void declare_options(Options& option, Common& common, const ScenarioInfo& info) {
         option.group("Options of every scenario");
         option("out", common.out, "", "Folder in which the results are written.");
         option("assets", common.assets, "",
                "Folder of clumps, gradings, materials and example recordings. Default: the folder "
                "assets next to the program, or ../share/bris/assets seen from there.");
+        if (info.makes_beds) {
+            common.beds.clear();
+            option(
+                "beds", common.beds, "",
+                "Folder of the beds of ballast that were made before, so that none is made twice; "
+                "the bits are the same. none: no such folder. Default: bris/beds in the user's "
+                "cache (XDG_CACHE_HOME or ~/.cache).");
+        }
         option("seed", common.seed, "", "Seed of every random draw.");
         option(
             "threads", common.threads, "",
@@ -191,7 +199,7 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
     common.out = std::filesystem::path("results") / info.name;
     common.arguments.assign(argv + std::min(argc, 1), argv + argc);
     CommonFlags flags;
-    flags.declare_options(options, common);
+    flags.declare_options(options, common, info);
     if (!parse_or_answer(options, common.arguments, info.name, info.description)) return false;
     refuse_flag("--resume", !common.resume.empty(), info.cannot_resume);
     refuse_flag("--explain", common.explain, info.cannot_explain);

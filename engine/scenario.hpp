@@ -19,6 +19,8 @@ struct Common {
     std::string scenario;         ///< name of the scenario
     std::filesystem::path out;    ///< folder of the results; exists when the scenario runs
     std::filesystem::path assets; ///< folder of the assets by --assets; empty: see assets_folder
+    /// Folder of beds that were made before; empty: in the user's cache; none: there is none.
+    std::filesystem::path beds = "none";
     std::filesystem::path resume; ///< checkpoint to resume from; empty: start from the beginning
     unsigned threads = 0;         ///< at least 1 when the scenario runs; of each rank
     unsigned ranks = 1;           ///< processes of this run (Ranks)
@@ -49,6 +51,8 @@ struct ScenarioInfo {
     /// Whether a run may be divided among ranks. All ranks then run the scenario with the same
     /// settings; those but the first write into a folder that is removed, and print nothing.
     bool divides = false;
+    /// Whether it makes beds of ballast, which are kept (--beds).
+    bool makes_beds = false;
 };
 
 namespace detail {

@@ -227,10 +227,8 @@ void summarise(Report& summary, const World& world, const BallastBox& box,
     write_sensors(summary, world, common);
 }
 
-/// Settings that may differ from those of the checkpoint: of a bed all that act after it was made.
-std::vector<std::string_view> may_differ_from(const std::filesystem::path& checkpoint,
-                                              const BallastBox& box, const Common& common) {
-    if (checkpoint.filename() != "bed.ckpt.h5") return {"cycles"};
+/// Settings that act after the bed was made, which serves for any of their values.
+std::vector<std::string_view> settings_after_bed(const BallastBox& box, const Common& common) {
     std::vector<std::string_view> keys = settings_of_state(common);
     keys.insert(keys.end(),
                 {"cycles", "frequency_Hz", "peak_load_N", "least_load", "steps_per_cycle",
@@ -254,10 +252,11 @@ void run(const BallastBox& box, const Common& common) {
     Run run(simulation, common, "ballast_box");
     run.keep(samples);
     run.keep(last);
-    resume_box(run, simulation, box, common, may_differ_from(common.resume, box, common));
+    BoxBed bed(simulation, common, settings_after_bed(box, common));
+    bed.begin(run, simulation, box, {"cycles"});
     FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings, box.written.extras());
     std::vector<Phase> phases = test.making_of_bed();
-    phases.push_back(save_bed(run));
+    phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
     for (Phase& phase : test.seating()) phases.push_back(std::move(phase));
     StepCount before_loading; // of this process
     std::vector<Vec3> at_beginning;
@@ -306,6 +305,7 @@ int main(int argc, char** argv) {
         argc, argv,
         {.name = "ballast_box",
          .description = "A section of ballasted track under cyclic loads (runs of table 1).",
-         .divides = true},
+         .divides = true,
+         .makes_beds = true},
         check_options, run, explain_box);
 }

@@ -54,9 +54,7 @@ Packing make_packing(const ShearBox& box, const Common& common, const ReportProg
     Simulation simulation = make_shear_box(box, common.seed, common.threads, common.serial);
     const World& world = std::as_const(simulation).world();
     Run run(simulation, common, "specimen", report);
-    if (const auto file = checkpoint_of(common, "specimen"); !file.empty())
-        run.resume(file, settings_of_tests);
-    run.go(make_bed_phases());
+    make_bed(run, simulation, common, settings_of_tests);
     made.state = simulation.snapshot();
     made.core_porosity = world.resource<RockBedState>().porosity;
     made.poured_porosity = world.resource<RockBedState>().poured;
@@ -307,7 +305,9 @@ std::string explain(const ShearBox& box, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<ShearBox>(
-        argc, argv, {"direct_shear", "Direct shear of railway ballast in a large box."},
-        check_options, run, explain);
+    return run_scenario<ShearBox>(argc, argv,
+                                  {.name = "direct_shear",
+                                   .description = "Direct shear of railway ballast in a large box.",
+                                   .makes_beds = true},
+                                  check_options, run, explain);
 }

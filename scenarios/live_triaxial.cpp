@@ -499,9 +499,10 @@ void run(const Live& given, const Common& common) {
 
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::Live>(argc, argv,
-                                          {"live_triaxial",
-                                           "Follows a running triaxial test with SmartRocks and "
-                                           "estimates the motion of all rocks while records "
-                                           "arrive."},
+                                          {.name = "live_triaxial",
+                                           .description = "Follows a running triaxial test with "
+                                                          "SmartRocks and estimates the motion of "
+                                                          "all rocks while records arrive.",
+                                           .makes_beds = true},
                                           bris::check_options, bris::run, bris::explain);
 }

@@ -8,6 +8,7 @@
 #include "scenarios/library/material_estimate.hpp"
 #include "scenarios/records/machine_file.hpp"
 #include "scenarios/records/machine_quality_control.hpp"
+#include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -22,23 +23,34 @@ namespace {
 struct CardRun {
     std::filesystem::path test = assets_folder() / "smartrock" / "110kPa" / "test.csv", columns;
     std::filesystem::path library = assets_folder() / "libraries" / "arema_4_400_rocks.h5";
-    double pressure = 110e3, porosity = 0, diameter = 0, learning_strain = 0;
+    double pressure = 110e3, porosity = 0, diameter = 0, height = 0, grain_size = 0,
+           learning_strain = 0;
 
     void declare_options(auto& option) {
         option.group("Test");
         option("test", test, "",
-               "CSV file of the measured test with the columns axial_strain, "
-               "deviatoric_stress_Pa and, if it was measured, volumetric_strain. Default: the "
-               "example of the assets at 110 kPa.");
+               "CSV file of the measured test, as the laboratory has it: axial strain or "
+               "displacement, "
+               "deviatoric stress or force and, if it was measured, volumetric strain or change of "
+               "volume, with their units. Default: the example of the assets at 110 kPa.");
         option("columns", columns, "",
-               "File that maps the columns of the test if another program wrote it: names, units, "
-               "signs, delimiter.");
+               "File that maps the columns of the test: names, units, signs, delimiter. Without it "
+               "they are guessed, and the guess is written as columns.txt.");
         option("pressure", pressure, "Pa", "Confining pressure of the test.",
                above(0, 1e9).usually(1e3, 1e7));
         option("porosity", porosity, "",
                "Porosity of the core at the start of shearing; 0: not known.", within(0, 0.6));
         option("diameter", diameter, "m",
                "Diameter of the specimen; 0: that of the library's specimens.", within(0, 10));
+        option("height", height, "m",
+               "Height of the specimen before shearing, for displacements and changes of volume; "
+               "0: not known.",
+               within(0, 20));
+        option(
+            "grain_size", grain_size, "m",
+            "Size of the grains that half of their mass passes (d50), to be compared with that of "
+            "the library's rocks; 0: not known.",
+            within(0, 1));
         option("learning_strain", learning_strain, "",
                "Axial strain up to which measurements are used; 0: all of them.", within(0, 0.5));
         option("library", library, "",
@@ -98,17 +110,43 @@ Report card_of(const MaterialEstimate& e, const SpecimenLibrary& library) {
     return card;
 }
 
-/// The records of the test, without those that no machine can have measured. Throws InputError if
-/// strain or stress are refused; notes about what else is left out go to `left_out`.
-MeasuredCurves checked_records(const CardRun& s, std::vector<Finding>& left_out) {
-    MeasuredCurves curves = read_machine_file("--test", s.test, "--columns", s.columns);
-    for (const Finding& f : check_machine(curves, s.pressure)) {
+/// The records of the test, without those that no machine can have measured, and notes about what
+/// is left out. Throws InputError if strain or stress are refused.
+LaboratoryCurves checked_records(const CardRun& s, const Common& common) {
+    LaboratoryCurves read = read_laboratory_test({.file = s.test,
+                                                  .columns = s.columns,
+                                                  .pressure = s.pressure,
+                                                  .diameter = s.diameter,
+                                                  .height = s.height,
+                                                  .guessed = common.out / "columns.txt"});
+    for (const Finding& f : check_machine(read.curves, s.pressure)) {
         const bool needed = f.check == "axial_strain" || f.check == "deviatoric_stress_Pa";
         require(!needed || f.kind == Finding::Kind::note,
                 fmt::format("--test: {}: {}: {}", s.test.string(), f.check, f.text));
-        left_out.push_back(f);
+        read.notes.push_back(fmt::format("{}: {}", f.check, f.text));
     }
-    return curves;
+    return read;
+}
+
+/// Compares the size (m) of the tested grains with that of the library's rocks; the sentence says
+/// if it is not known. Throws InputError if the library is of another material.
+std::string compared_grains(const SpecimenLibrary& library, double grain_size) {
+    constexpr double tolerance = 1.5; // the sieves of a grading are as far apart
+    const std::string name = setting_of(library, "grading");
+    if (name == "unknown") return "The library does not say of which rocks it is.";
+    const double size = grading_named(name).size_at(0.5);
+    if (grain_size == 0)
+        return fmt::format(
+            "Whether the rocks of the test are as those of the library, whose d50 is "
+            "{:.0f} mm, is not known: give --grain-size.",
+            1e3 * size);
+    require(
+        std::max(size / grain_size, grain_size / size) <= tolerance,
+        fmt::format("--grain-size: expected that of the library's rocks, {:.3g} m within a factor "
+                    "of {:g}, found {:g} m: the library is of another material; make one of its "
+                    "grading (specimen_library --grading)",
+                    size, tolerance, grain_size));
+    return {};
 }
 
 /// Shows the estimate with its bands, the predicted tests, and how far the card can be trusted.
@@ -128,10 +166,11 @@ void show(Report& card, const MaterialEstimate& e, const SpecimenLibrary& librar
 }
 
 void run(const CardRun& s, const Common& common) {
-    std::vector<Finding> left_out;
-    TestOfMaterial test{checked_records(s, left_out), s.pressure, s.porosity,
+    const LaboratoryCurves read = checked_records(s, common);
+    TestOfMaterial test{read.curves, s.pressure, s.porosity,
                         s.learning_strain > 0 ? s.learning_strain : 1};
     const SpecimenLibrary library = read_library(s.library);
+    const std::string about_grains = compared_grains(library, s.grain_size);
     require(!library.specimens.empty(), "--library: expected specimens, found none");
     require_size(library, s.diameter);
     const MaterialEstimate e = estimate_material(library, test);
@@ -144,8 +183,8 @@ void run(const CardRun& s, const Common& common) {
     draw_material(common.out / "card.png", e, test);
     Report shown = card;
     show(shown, e, library);
-    for (const Finding& f : left_out)
-        shown.show_sentence(fmt::format("Note: {}: {}", f.check, f.text));
+    if (!about_grains.empty()) shown.show_sentence(about_grains);
+    for (const std::string& note : read.notes) shown.show_sentence(fmt::format("Note: {}", note));
     report_results(common, shown);
 }
 

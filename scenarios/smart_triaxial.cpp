@@ -499,8 +499,10 @@ void run(const Smart& given, const Common& common) {
 
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::Smart>(argc, argv,
-                                           {"smart_triaxial",
-                                            "Models a triaxial test recorded with SmartRocks and "
-                                            "learns from the recordings during the run."},
+                                           {.name = "smart_triaxial",
+                                            .description = "Models a triaxial test recorded with "
+                                                           "SmartRocks and learns from the "
+                                                           "recordings during the run.",
+                                            .makes_beds = true},
                                            bris::check_options, bris::run, bris::explain);
 }

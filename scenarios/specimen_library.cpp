@@ -228,8 +228,9 @@ std::string explain(const LibraryRun& s, const Common& common) {
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::LibraryRun>(
         argc, argv,
-        {"specimen_library",
-         "Tests many specimens of different friction, stiffness, porosity and packing, and keeps "
-         "the results as a library for predictions."},
+        {.name = "specimen_library",
+         .description = "Tests many specimens of different friction, stiffness, porosity and "
+                        "packing, and keeps the results as a library for predictions.",
+         .makes_beds = true},
         bris::check_options, bris::run, bris::explain);
 }

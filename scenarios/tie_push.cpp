@@ -189,9 +189,7 @@ void run(const TieBed& bed, const Common& common) {
     Progress progress = make_progress(common);
     Simulation making = make_tie_bed(bed, common.seed, common.threads, common.serial);
     Run of_bed(making, common, "specimen", progress_slot(progress, 0));
-    if (const auto file = checkpoint_of(common, "specimen"); !file.empty())
-        of_bed.resume(file, settings_of_tests);
-    of_bed.go(make_bed_phases());
+    make_bed(of_bed, making, common, settings_of_tests);
     const Archive made = making.snapshot();
     const World& bed_world = std::as_const(making).world();
     const auto rocks = bed_world.resource<RockBed>().rocks.size();
@@ -224,6 +222,8 @@ std::string explain(const TieBed& bed, const Common& common) {
 
 int main(int argc, char** argv) {
     return run_scenario<TieBed>(argc, argv,
-                                {"tie_push", "Lateral resistance of a single tie in ballast."},
+                                {.name = "tie_push",
+                                 .description = "Lateral resistance of a single tie in ballast.",
+                                 .makes_beds = true},
                                 check_options, run, explain);
 }

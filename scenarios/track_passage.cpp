@@ -198,19 +198,19 @@ void run(const TrackPassage& t, const Common& common) {
     Run run(simulation, common, "track_passage");
     run.keep(samples);
     run.keep(last);
-    std::vector<std::string_view> may_differ{"passages"};
-    if (common.resume.filename() == "bed.ckpt.h5") { // the finished bed serves any train and state
-        may_differ = settings_of_state(common);
-        may_differ.insert(may_differ.end(),
-                          {"passages", "train", "speed_m_per_s", "gap_m", "restitution",
-                           "step_fraction", "sensor_density_kg_per_m3", "sensor_friction"});
-    }
-    resume_box(run, simulation, t.box, common, may_differ);
+    // the finished bed serves any train and state
+    std::vector<std::string_view> after_bed = settings_of_state(common);
+    after_bed.insert(after_bed.end(),
+                     {"passages", "train", "speed_m_per_s", "gap_m", "restitution", "step_fraction",
+                      "sensor_density_kg_per_m3", "sensor_friction"});
+    BoxBed bed(simulation, common, after_bed);
+    bed.begin(run, simulation, t.box, {"passages"});
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,
                        t.box.written.extras());
     const PassageActions actions{
         .frame = [&] { frames.add(world); },
-        .completed = [&](unsigned number) { write_passage(world, t, number, common.out); }};
+        .completed = [&](unsigned number) { write_passage(world, t, number, common.out); },
+        .bed_saved = [&bed] { bed.keep(); }};
     std::vector<Phase> phases = test.making_of_bed();
     phases.push_back(test.seat());
     for (Phase& phase : passage_phases(test, run, t, train, samples, actions))
@@ -240,6 +240,7 @@ int main(int argc, char** argv) {
         argc, argv,
         {.name = "track_passage",
          .description = "Trains pass over a tie on clean or fouled ballast with sensor rocks.",
-         .divides = true},
+         .divides = true,
+         .makes_beds = true},
         check_options, run, explain);
 }

@@ -323,7 +323,8 @@ MadeSpecimen make_specimen(const Shared& shared, const std::filesystem::path& ch
     MadeSpecimen made = bris::make_specimen(shared.scene, settings_at(shared.settings, pressure),
                                             common, progress_slot(shared.progress));
     shared.progress.pause();
-    report_news(common, fmt::format("specimen prepared: core porosity {:.4f}, {} steps, {:.1f} s",
+    report_news(common, fmt::format("specimen {}: core porosity {:.4f}, {} steps, {:.1f} s",
+                                    made.was_kept ? "made before (--beds)" : "prepared",
                                     made.core_porosity, made.steps, made.count.wall_time));
     return made;
 }
@@ -470,6 +471,7 @@ int main(int argc, char** argv) {
         {.name = "triaxial",
          .description = "Drained triaxial compression or load cycles of railway ballast in a "
                         "servo-controlled membrane.",
-         .divides = true},
+         .divides = true,
+         .makes_beds = true},
         bris::check_options, bris::run, bris::explain);
 }

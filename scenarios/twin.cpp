@@ -62,8 +62,10 @@ std::string explain(const TwinSettings& t, const Common& common) {
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::TwinSettings>(
         argc, argv,
-        {"twin",
-         "Simulates a triaxial test as the truth, records its sensor rocks, and shows how much "
-         "better another model predicts all rocks with the recordings than without them."},
+        {.name = "twin",
+         .description =
+             "Simulates a triaxial test as the truth, records its sensor rocks, and shows how much "
+             "better another model predicts all rocks with the recordings than without them.",
+         .makes_beds = true},
         bris::check_options, bris::run, bris::explain);
 }

@@ -94,8 +94,9 @@ private:
     double hard_step_; ///< s, of contacts at full stiffness
 };
 
-/// Saves the finished bed as bed.ckpt.h5, for other runs on it. The run must outlive the phase.
-Phase save_bed(const Run& run);
+/// Saves the finished bed as bed.ckpt.h5, for other runs on it, and then calls `saved`. The run
+/// must outlive the phase.
+Phase save_bed(const Run& run, const std::function<void()>& saved = {});
 
 /// N, weight on a whole tie of both rails (67 kg/m each) and fastenings along its spacing.
 inline constexpr double dead_load = 2 * 67 * 9.81 * tie_spacing;

@@ -232,10 +232,11 @@ Phase BoxTestRun::compact(std::size_t course) const {
             .begin = [this, lift](Simulation& s) { begin_compaction(s.world(), lift); }};
 }
 
-Phase save_bed(const Run& run) {
+Phase save_bed(const Run& run, const std::function<void()>& saved) {
     return {.advance =
-                [&run](Simulation&) {
+                [&run, saved](Simulation&) {
                     run.save_as("bed");
+                    if (saved) saved();
                     return false;
                 },
             .progress =

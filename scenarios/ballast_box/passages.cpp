@@ -126,7 +126,7 @@ std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
     if (settings.first_train != "none")
         phases.push_back(pass(test, settings, train_named(settings.first_train, "--first-train"),
                               settings.speed_of(settings.first_train), 0, samples, actions, run));
-    Phase save = save_bed(run);
+    Phase save = save_bed(run, actions.bed_saved);
     save.begin = [&test](Simulation& s) { test.note_bed(s.world()); };
     phases.push_back(std::move(save));
     for (Phase& phase : test.changes_in_use()) phases.push_back(std::move(phase));

@@ -47,6 +47,7 @@ struct PassageSample {
 struct PassageActions {
     std::function<void()> frame;                    ///< every tenth of a second
     std::function<void(unsigned number)> completed; ///< passages count from 1
+    std::function<void()> bed_saved = {};
 };
 
 /// The phases after a clean and confined bed was made and its tie seated: the first train passes,

@@ -41,4 +41,28 @@ void resume_box(Run& run, Simulation& simulation, const BallastBox& box, const C
     run.resume(common.resume, may_differ);
 }
 
+namespace {
+
+constexpr auto bed_file = "bed.ckpt.h5";
+
+} // namespace
+
+BoxBed::BoxBed(const Simulation& simulation, const Common& common,
+               std::vector<std::string_view> after_bed)
+    : common_(common), after_bed_(std::move(after_bed)),
+      store_(common, simulation, "bed", after_bed_) {}
+
+void BoxBed::begin(Run& run, Simulation& simulation, const BallastBox& box,
+                   const std::vector<std::string_view>& may_differ) {
+    Common from = common_;
+    if (from.resume.empty()) from.resume = store_.find();
+    made_here_ = from.resume.empty();
+    const bool is_bed = common_.resume.empty() || common_.resume.filename() == bed_file;
+    resume_box(run, simulation, box, from, is_bed ? after_bed_ : may_differ);
+}
+
+void BoxBed::keep() const {
+    if (made_here_) store_.keep(common_.out / bed_file);
+}
+
 } // namespace bris

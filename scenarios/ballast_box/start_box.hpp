@@ -4,6 +4,7 @@
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "scenarios/ballast_box/box_settings.hpp"
+#include "scenarios/specimens/bed_store.hpp"
 
 #include <string>
 #include <string_view>
@@ -26,5 +27,29 @@ std::vector<std::string_view> settings_of_state(const Common& common);
 /// changed. Fields are added where the checkpoint has them. Throws InputError, OutputError.
 void resume_box(Run& run, Simulation& simulation, const BallastBox& box, const Common& common,
                 const std::vector<std::string_view>& may_differ);
+
+/// The finished bed of a box: a run that begins without --resume takes it from the store of beds
+/// (BedStore), or makes it and adds it.
+class BoxBed {
+public:
+    /// `simulation`: before its first step. `after_bed`: settings that act after the bed was made,
+    /// which serves for any of their values. They refer to `common`, which must outlive this.
+    BoxBed(const Simulation& simulation, const Common& common,
+           std::vector<std::string_view> after_bed);
+
+    /// Begins the run: with the bed of the store, if that has it, or from --resume. Settings in
+    /// `may_differ` may differ from those of a checkpoint that is not of a bed.
+    void begin(Run& run, Simulation& simulation, const BallastBox& box,
+               const std::vector<std::string_view>& may_differ);
+
+    /// Adds bed.ckpt.h5 in the folder of results to the store, if this run made it.
+    void keep() const;
+
+private:
+    const Common& common_;
+    std::vector<std::string_view> after_bed_;
+    BedStore store_;
+    bool made_here_ = false;
+};
 
 } // namespace bris

@@ -1,6 +1,8 @@
 #include "scenarios/field_tests/bed_tests.hpp"
 
 #include "engine/errors.hpp"
+#include "scenarios/field_tests/rock_bed.hpp"
+#include "scenarios/specimens/bed_store.hpp"
 
 #include <fmt/format.h>
 
@@ -16,6 +18,17 @@ std::filesystem::path checkpoint_of(const Common& common, const std::filesystem:
     if (common.resume.empty()) return {};
     const std::filesystem::path file = common.resume / (name.string() + ".ckpt.h5");
     return std::filesystem::exists(file) ? file : std::filesystem::path();
+}
+
+void make_bed(Run& run, const Simulation& simulation, const Common& common,
+              const std::vector<std::string_view>& settings_of_tests) {
+    constexpr auto name = "specimen";
+    const BedStore store(common, simulation, name, settings_of_tests);
+    const auto started = checkpoint_of(common, name),
+               from = started.empty() ? store.find() : started;
+    if (!from.empty()) run.resume(from, settings_of_tests);
+    run.go(make_bed_phases());
+    if (from.empty()) store.keep(common.out / (std::string(name) + ".ckpt.h5"));
 }
 
 } // namespace bris

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 namespace bris {
@@ -19,6 +20,12 @@ void require_folder_to_resume(const Common& common);
 
 /// The checkpoint NAME.ckpt.h5 in the folder --resume; empty: there is none.
 std::filesystem::path checkpoint_of(const Common& common, const std::filesystem::path& name);
+
+/// Makes the bed of several tests in the `run` of a simulation, as specimen.ckpt.h5; continues from
+/// that of --resume, or takes it from the store of beds (BedStore), where it is afterwards.
+/// `settings_of_tests` do not concern the bed.
+void make_bed(Run& run, const Simulation& simulation, const Common& common,
+              const std::vector<std::string_view>& settings_of_tests);
 
 /// Runs all tests, as many at once as there are threads, and returns them in their order. `make`
 /// (test, threads, report) returns a pointer to the run of a test, whose `go` runs it. `samples`:

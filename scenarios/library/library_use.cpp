@@ -114,7 +114,8 @@ LibraryOfFile read_fitting_library(const std::filesystem::path& file_or_folder,
 }
 
 LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pressure,
-                                  const MeasuredCurves& measured, LibraryObservations& observed) {
+                                  const MeasuredCurves& measured, LibraryObservations& observed,
+                                  double widest_gap) {
     LibrarySpecimen specimen;
     specimen.tests.resize(library.pressures.size());
     LibraryTest& test = specimen.tests[pressure];
@@ -124,8 +125,7 @@ LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pr
         if (strain > observed.strain * (1 + 1e-9)) break;
         for (const auto& [numbers, quantity] : {std::pair{&test.q, &quantity::deviatoric_stress},
                                                 {&test.volume, &quantity::volumetric_strain}})
-            numbers->push_back(
-                static_cast<float>(stage.value_at(*quantity, strain, library.axis.step)));
+            numbers->push_back(static_cast<float>(stage.value_at(*quantity, strain, widest_gap)));
     }
     const auto is_complete = [](const std::vector<float>& curve) {
         return std::ranges::all_of(curve, [](float x) { return std::isfinite(x); });
@@ -143,7 +143,8 @@ TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& m
     t.not_used = reason_against(library, model);
     if (!t.not_used.empty()) return t;
     const std::size_t p = pressure_index(library, model.pressure);
-    LibrarySpecimen specimen = measured_specimen(library, p, measured, observed);
+    LibrarySpecimen specimen =
+        measured_specimen(library, p, measured, observed, 2 * library.axis.step);
     specimen.core_porosity = model.core_porosity;
     if (!observed.force && !observed.volume) {
         t.not_used = fmt::format("neither q nor volumetric strain was measured at all of its "

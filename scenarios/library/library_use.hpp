@@ -48,9 +48,11 @@ LibraryOfFile read_fitting_library(const std::filesystem::path& file_or_folder,
 
 /// A measured test at the strains of a library up to `observed.strain`, as a specimen whose test at
 /// the `pressure`-th pressure has q and volumetric strain; what was not measured at all of these
-/// strains is taken out of `observed`.
+/// strains is taken out of `observed`. Between records that are no more than `widest_gap` of axial
+/// strain apart numbers are interpolated.
 LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pressure,
-                                  const MeasuredCurves& measured, LibraryObservations& observed);
+                                  const MeasuredCurves& measured, LibraryObservations& observed,
+                                  double widest_gap);
 
 /// Predicts a test from its measured q and volumetric strain up to the strain `observed.strain`,
 /// each as far as it is asked for and measured at the strains of the library, and from the core

@@ -16,6 +16,8 @@ namespace bris {
 namespace {
 
 constexpr double shortest_test = 0.003; // axial strain; the library's first tenths are too few
+/// Axial strain between records over which q is interpolated: laboratories write every 0.3 %.
+constexpr double widest_gap = 6e-3;
 constexpr std::array further_strains{0.01, 0.02, 0.04, 0.08};
 
 double stiffness_of_library(const SpecimenLibrary& library) {
@@ -212,12 +214,12 @@ MaterialEstimate estimate_material(SpecimenLibrary library, const TestOfMaterial
                    library.axis.step * (1 + 1e-9));
     e.used = {.strain = steps * library.axis.step, .porosity = test.core_porosity > 0};
     check_test(test, library, e.used.strain);
-    LibrarySpecimen specimen = measured_specimen(library, own, test.measured, e.used);
+    LibrarySpecimen specimen = measured_specimen(library, own, test.measured, e.used, widest_gap);
     specimen.core_porosity = test.core_porosity;
     require(e.used.force,
             fmt::format("--test: expected q at steps of {:g} of axial strain or closer up to {:g}, "
                         "found gaps; --learning-strain ends before them",
-                        library.axis.step, e.used.strain));
+                        widest_gap, e.used.strain));
     for (std::size_t p = 0; p < library.pressures.size(); ++p) {
         const LibraryPredictor predictor(library, e.used, own, p);
         e.tests.push_back({library.pressures[p], predictor.predict(specimen)});

@@ -72,7 +72,8 @@ RingEstimate estimate_rings(const SpecimenLibrary& library, const ModelOfTest& m
     const std::size_t coarse = reached - 1, pressure = pressure_index(library, model.pressure);
     rings.strain = axis.coarse_strain(coarse);
     LibraryObservations observed{.strain = rings.strain, .force = false};
-    const LibrarySpecimen specimen = measured_specimen(library, pressure, test.curves, observed);
+    const LibrarySpecimen specimen =
+        measured_specimen(library, pressure, test.curves, observed, 2 * library.axis.step);
     LibraryTest measured = specimen.tests[pressure];
     if (!std::isfinite(measured.volume.back())) {
         rings.not_made = fmt::format("no volumetric strain was measured at {:g}", rings.strain);

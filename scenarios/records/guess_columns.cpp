@@ -285,4 +285,14 @@ GuessedMap guess_columns(const std::filesystem::path& csv, const std::vector<Kno
     return Guess(csv, known, evidence).make();
 }
 
+void write_guessed_map(const std::filesystem::path& csv, const GuessedMap& guess,
+                       const std::filesystem::path& map) {
+    write_whole(map, fmt::format("# Guessed from {}: check names, units and signs.\n{}",
+                                 csv.filename().string(), guess.map));
+    require(guess.open.empty(),
+            fmt::format("{}: expected a unit for each column, found none for {}; give them in {} "
+                        "in place of \"?\"",
+                        csv.string(), listed(guess.open), map.string()));
+}
+
 } // namespace bris

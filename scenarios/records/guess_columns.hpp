@@ -29,4 +29,9 @@ struct GuessedMap {
 GuessedMap guess_columns(const std::filesystem::path& csv, const std::vector<KnownColumn>& known,
                          FileEvidence evidence = {});
 
+/// Writes the map of a guess, to be checked and corrected. Throws InputError if a unit has to be
+/// given in it; OutputError.
+void write_guessed_map(const std::filesystem::path& csv, const GuessedMap& guess,
+                       const std::filesystem::path& map);
+
 } // namespace bris

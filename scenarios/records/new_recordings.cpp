@@ -98,15 +98,8 @@ FoundForm form_of(const fs::path& csv, const std::vector<KnownColumn>& known, co
     const GuessedMap guess = guess_columns(csv, known, evidence);
     for (const std::string& note : guess.notes) text += "  " + note + "\n";
     require_columns(csv, known, guess);
-    const std::string content = fmt::format("# Guessed from {}: check names, units and signs.\n{}",
-                                            csv.filename().string(), guess.map);
-    if (!guess.open.empty()) {
-        write_whole(map, content);
-        throw InputError(fmt::format("{}: expected a unit for each column, found none for {}; give "
-                                     "them in {} in place of \"?\"",
-                                     csv.string(), listed(guess.open), map.string()));
-    }
-    write_whole(files.add(map), content);
+    if (guess.open.empty()) files.add(map); // otherwise it is kept to be edited
+    write_guessed_map(csv, guess, map);
     return {read_column_map(map, known), guess.rate, true};
 }
 

@@ -4,7 +4,6 @@
 #include "engine/io/column_map.hpp"
 #include "engine/io/unfinished_file.hpp"
 #include "scenarios/records/compare_strain.hpp"
-#include "scenarios/records/machine_file.hpp"
 #include "scenarios/records/machine_hdf5.hpp"
 #include "scenarios/records/machine_quality_control.hpp"
 #include "scenarios/sensors/naming.hpp"
@@ -76,11 +75,10 @@ MachineRecord read_test(const std::filesystem::path& csv, const CsvForm& form) {
 
 /// Reads a CSV file, whose form a column map may describe; `option` gives the map.
 auto read_mapped(const char* option, const std::filesystem::path& map,
-                 const std::vector<KnownColumn>& known, auto&& read,
-                 const char* read_by = "--recordings") {
+                 const std::vector<KnownColumn>& known, auto&& read) {
     const CsvForm form =
         map.empty() ? CsvForm{} : naming(option, [&] { return read_column_map(map, known); });
-    return naming(read_by, [&] {
+    return naming("--recordings", [&] {
         try {
             return read(form);
         } catch (const InputError& e) {
@@ -185,14 +183,6 @@ MachineRecord machine_record_of(const std::filesystem::path& of_test, double pre
 }
 
 } // namespace
-
-MeasuredCurves read_machine_file(const char* option, const std::filesystem::path& csv,
-                                 const char* map_option, const std::filesystem::path& map) {
-    return read_mapped(
-               map_option, map, machine_columns(),
-               [&](const CsvForm& form) { return read_test(csv, form); }, option)
-        .curves;
-}
 
 std::string hint_at_pressure(double pressure, const std::vector<std::string>& folders) {
     const bool in_kilopascal = std::ranges::count(folders, folder_of(1e3 * pressure)) > 0;

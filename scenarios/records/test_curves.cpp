@@ -72,7 +72,7 @@ std::optional<std::size_t> MonotonicStage::nearest(double strain, double toleran
     return static_cast<std::size_t>(nearest - strain_.begin());
 }
 
-double MonotonicStage::value_at(const Quantity& quantity, double strain, double step) const {
+double MonotonicStage::value_at(const Quantity& quantity, double strain, double gap) const {
     const std::vector<double>& values = curves_[quantity];
     std::size_t before = values.size(), after = before;
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -82,7 +82,7 @@ double MonotonicStage::value_at(const Quantity& quantity, double strain, double 
     }
     if (before == values.size() || after == values.size()) return std::nan("");
     const double width = strain_[after] - strain_[before];
-    if (width > 2 * step) return std::nan("");
+    if (width > gap) return std::nan("");
     const double part = width > 0 ? (strain - strain_[before]) / width : 0;
     return values[before] + part * (values[after] - values[before]);
 }

@@ -83,8 +83,8 @@ public:
     /// The row nearest to a strain; nothing if there is none within `tolerance`.
     std::optional<std::size_t> nearest(double strain, double tolerance) const;
     /// A quantity between the neighbouring rows in which it is known; NaN where these are more than
-    /// 2 `step` apart.
-    double value_at(const Quantity& quantity, double strain, double step) const;
+    /// `gap` apart.
+    double value_at(const Quantity& quantity, double strain, double gap) const;
 
 private:
     const TestCurves& curves_;

@@ -18,9 +18,14 @@ const std::map<std::string, std::string_view>& titles_of_others() {
     static const std::map<std::string, std::string_view> all{
         {"t", "t time timestamp elapsedtime sampletime zeit"},
         {"id", "id sensor sensorid node nodeid device deviceid rock rockid nr address"},
-        {"axial_strain", "axialstrain strain epsa epsilona ea"},
+        {"axial_strain", "axialstrain strain epsa epsilona ea epax"},
         {"deviatoric_stress_Pa", "q deviatoricstress deviatorstress devstress"},
-        {"volumetric_strain", "volumetricstrain volstrain epsv epsilonv ev"}};
+        {"volumetric_strain", "volumetricstrain volstrain epsv epsilonv ev epv"},
+        {"axial_displacement_m", "axialdisplacement displacement axialdeformation deformation weg"},
+        {"axial_force_N", "axialforce force axialload load deviatorload kraft"},
+        {"volume_change_m3", "volumechange volchange deltav dv"},
+        {"confining_pressure_Pa",
+         "confiningpressure cellpressure radialstress sigmar sigrad sigma3 s3"}};
     return all;
 }
 
@@ -74,6 +79,21 @@ split_last_word(const std::string& title, const std::vector<ColumnUnit>& units) 
     return {};
 }
 
+/// Name and unit of "epsv = dV/V0 [%] (dilation is negative)": the text before the first bracket
+/// and before a sign of equality, and the first bracket that holds one of these units.
+std::optional<std::pair<std::string, std::string>>
+split_explained(const std::string& title, const std::vector<ColumnUnit>& units) {
+    const auto first = title.find_first_of("[(=");
+    for (auto open = title.find_first_of("[("); open != std::string::npos;
+         open = title.find_first_of("[(", open + 1)) {
+        const auto close = title.find_first_of("])", open);
+        if (close == std::string::npos) break;
+        const std::string word(trimmed(title.substr(open + 1, close - open - 1)));
+        if (!unit_named(word, units).empty()) return std::pair{title.substr(0, first), word};
+    }
+    return {};
+}
+
 } // namespace
 
 std::optional<TitleMatch> match_title(const std::string& title, const KnownColumn& column) {
@@ -87,10 +107,12 @@ std::optional<TitleMatch> match_title(const std::string& title, const KnownColum
         open != std::string::npos && close != std::string::npos && close > open) {
         const std::string word(trimmed(title.substr(open + 1, close - open - 1)));
         const bool is_other = unit_named(word, column.units).empty() && is_unit(word);
-        if (is_other ||
-            !is_called(plain(title.substr(0, open) + title.substr(close + 1)), column.name))
-            return {}; // "T [C]" is no time
-        return word.empty() ? TitleMatch{} : TitleMatch{word};
+        if (is_other) return {}; // "T [C]" is no time
+        if (is_called(plain(title.substr(0, open) + title.substr(close + 1)), column.name))
+            return word.empty() ? TitleMatch{} : TitleMatch{word};
+        const auto split = split_explained(title, column.units);
+        if (split && is_called(plain(split->first), column.name)) return TitleMatch{split->second};
+        return {};
     }
     if (is_called(plain(title), column.name)) return TitleMatch{};
     if (const auto split = split_last_word(title, column.units))

@@ -53,6 +53,13 @@ const std::vector<Spellings>& spellings() {
         {"F", {"\u00b0F", "degF", "fahrenheit", "degreesF", "degree_Fahrenheit"}},
         {"V", {"volt", "volts"}},
         {"mV", {"millivolt", "millivolts"}},
+        {"N", {"newton", "newtons"}},
+        {"kN", {"KN", "kilonewton", "kilonewtons"}},
+        {"ml", {"mL", "milliliter", "milliliters", "millilitre", "millilitres"}},
+        {"cm3", {"cc", "ccm"}},
+        {"mm3", {}},
+        {"m3", {}},
+        {"l", {"L", "liter", "liters", "litre", "litres"}},
         {"Pa", {"N/m2", "pascal"}},
         {"kPa", {"kpa", "KPa", "kN/m2", "kilopascal"}},
         {"MPa", {"N/mm2", "MN/m2", "megapascal"}}};
@@ -61,7 +68,7 @@ const std::vector<Spellings>& spellings() {
 
 /// Without blanks and signs of multiplication or power, and with one spelling of each character.
 std::string simplified(std::string_view word) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 14> characters{
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 15> characters{
         {{" ", ""},
          {"\u00a0", ""},
          {"*", ""},
@@ -69,6 +76,7 @@ std::string simplified(std::string_view word) {
          {"\u00b7", ""},
          {".", ""},
          {"\u00b2", "2"},
+         {"\u00b3", "3"},
          {"\u00ba", "\u00b0"},
          {"\u02da", "\u00b0"},
          {"\u03bc", "u"},

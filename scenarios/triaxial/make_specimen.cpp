@@ -1,6 +1,7 @@
 #include "scenarios/triaxial/make_specimen.hpp"
 
 #include "engine/resume.hpp"
+#include "scenarios/specimens/bed_store.hpp"
 #include "scenarios/triaxial/trial.hpp"
 
 #include <fmt/format.h>
@@ -98,8 +99,11 @@ MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings&
     Simulation simulation = make_simulation(scene, common.threads, common.serial);
     TriaxialTest test(simulation, settings);
     Run run(simulation, of_specimen, "specimen", report);
-    if (!of_specimen.resume.empty())
-        run.resume(of_specimen.resume);
+    const BedStore store(of_specimen, simulation, "specimen");
+    const bool anew = of_specimen.resume.empty() && !begin;
+    const std::filesystem::path kept = anew ? store.find() : std::filesystem::path();
+    if (const auto& from = anew ? kept : of_specimen.resume; !from.empty())
+        run.resume(from);
     else if (begin)
         begin(simulation, test);
     StepCount of_trials;
@@ -121,11 +125,12 @@ MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings&
     run.go({{.advance = advance, .progress = [&](const World&) {
                  return trial ? trial->progress() : test.progress();
              }}});
+    if (anew && kept.empty()) store.keep(of_specimen.out / specimen_file);
     StepCount count = simulation.count();
     count.steps += of_trials.steps;
     count.wall_time += of_trials.wall_time;
     return {simulation.snapshot(), test.state().prepared_porosity,
-            simulation.world().resource<Clock>().step, count};
+            simulation.world().resource<Clock>().step, count, !kept.empty()};
 }
 
 } // namespace bris

@@ -1,0 +1,120 @@
+#include "scenarios/specimens/bed_store.hpp"
+
+#include "engine/archive.hpp"
+#include "engine/assets.hpp"
+#include "engine/errors.hpp"
+#include "engine/io/checkpoint.hpp"
+#include "engine/message.hpp"
+#include "engine/ranks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <unistd.h>
+
+namespace bris {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t most_bytes = std::uintmax_t{4} << 30; // of all beds of a user
+
+/// The folder of beds in the user's cache; empty if there is none.
+fs::path cache_of_user() {
+    // the XDG base directory specification asks for absolute paths
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/')
+        return fs::path(cache) / "bris" / "beds";
+    const char* home = std::getenv("HOME");
+    return home != nullptr && *home == '/' ? fs::path(home) / ".cache" / "bris" / "beds"
+                                           : fs::path();
+}
+
+bool concerns_bed(const NamedValue& setting, const std::vector<std::string_view>& may_differ) {
+    const auto& always = settings_that_may_differ();
+    if (std::ranges::count(always, setting.key) > 0) return false;
+    if (std::ranges::count(may_differ, setting.key) > 0) return false;
+    const auto* path = std::get_if<std::string>(&setting.value);
+    std::error_code error;
+    return path == nullptr || path->empty() || !fs::exists(*path, error);
+}
+
+std::uint64_t hash_of_recipe(const Common& common, const Simulation& placed,
+                             const std::vector<std::string_view>& may_differ) {
+    std::string text = fmt::format("version {}\nscenario {}\nworld {}\n", bed_version,
+                                   common.scenario, hexadecimal(fingerprint(placed.snapshot())));
+    for (const NamedValue& setting : common.settings)
+        if (concerns_bed(setting, may_differ))
+            text += fmt::format("{} {}\n", setting.key, setting.text());
+    std::vector<std::uint8_t> bytes(text.begin(), text.end());
+    Archive recipe;
+    recipe.put("recipe", std::span<const std::uint8_t>(bytes));
+    return fingerprint(recipe);
+}
+
+bool is_whole(const fs::path& bed) {
+    std::error_code error;
+    if (!fs::exists(bed, error)) return false;
+    try {
+        (void)read_checkpoint(bed);
+        return true;
+    } catch (const std::exception& damaged) {
+        say(fmt::format("warning: the bed is made again: {}", damaged.what()));
+        return false;
+    }
+}
+
+/// Removes the beds that were used least recently until the rest fits.
+void make_room(const fs::path& folder) {
+    std::vector<fs::directory_entry> beds;
+    std::uintmax_t bytes = 0;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.path().filename().string().ends_with(".ckpt.h5")) {
+            beds.push_back(entry);
+            bytes += entry.file_size();
+        }
+    std::ranges::sort(beds, {}, [](const auto& bed) { return bed.last_write_time(); });
+    for (std::size_t k = 0; k < beds.size() && bytes > most_bytes; ++k) {
+        bytes -= beds[k].file_size();
+        fs::remove(beds[k].path());
+    }
+}
+
+} // namespace
+
+BedStore::BedStore(const Common& common, const Simulation& placed, const std::string& kind,
+                   const std::vector<std::string_view>& may_differ)
+    : looks_(common.beds != "none"), asked_(!common.beds.empty()) {
+    if (!looks_) return;
+    folder_ = common.beds.empty() ? cache_of_user() : common.beds;
+    file_ =
+        fmt::format("{}_{}.ckpt.h5", kind, hexadecimal(hash_of_recipe(common, placed, may_differ)));
+}
+
+fs::path BedStore::find() const {
+    fs::path found;
+    if (looks_)
+        for (const fs::path& folder : {folder_, assets_folder() / "beds"})
+            if (found.empty() && !folder.empty() && is_whole(folder / file_))
+                found = folder / file_;
+    if (Ranks::any(found.empty())) return {};
+    std::error_code error; // of assets that cannot be written to
+    fs::last_write_time(found, fs::file_time_type::clock::now(), error);
+    return found;
+}
+
+void BedStore::keep(const fs::path& checkpoint) const {
+    if (folder_.empty() || !Ranks::writes()) return;
+    try {
+        fs::create_directories(folder_);
+        const fs::path copy = folder_ / fmt::format(".{}.{}", getpid(), file_);
+        fs::copy_file(checkpoint, copy, fs::copy_options::overwrite_existing);
+        fs::rename(copy, folder_ / file_);
+        make_room(folder_);
+    } catch (const fs::filesystem_error& error) {
+        if (asked_) say(fmt::format("warning: --beds: the bed is not kept: {}", error.what()));
+    }
+}
+
+} // namespace bris

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "engine/scenario.hpp"
+#include "engine/simulation.hpp"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bris {
+
+/// Version of the recipes by which beds are made. To be raised by whoever changes a recipe, or
+/// anything else that changes the bits of a bed: the test of this store then fails, since it makes
+/// a bed whose fingerprint it knows.
+constexpr int bed_version = 1;
+
+/// Beds of ballast that were made before, each a checkpoint whose name holds the hash of its
+/// recipe: version, settings and the world as it is before the first step. Nobody makes a bed
+/// twice: the second time it costs nothing and has the same bits.
+class BedStore {
+public:
+    /// `common`: scenario and settings of the run that makes the bed, and --beds. `placed`: its
+    /// simulation before the first step. `kind`: begins the name of the file. Settings in
+    /// `may_differ` do not concern the bed, nor do paths, whose content is in the world.
+    BedStore(const Common& common, const Simulation& placed, const std::string& kind,
+             const std::vector<std::string_view>& may_differ = {});
+
+    /// The checkpoint of the bed, in the user's folder or in that of the assets; empty if neither
+    /// has it whole (its seal is checked), which is said if a file is damaged. On several ranks all
+    /// or none find it.
+    std::filesystem::path find() const;
+
+    /// Adds the checkpoint of the finished bed to the user's folder; the oldest beds give way when
+    /// all together have more than 4 GiB. If --beds cannot be written to, it is said, and no error.
+    void keep(const std::filesystem::path& checkpoint) const;
+
+private:
+    std::filesystem::path folder_; ///< of the user; empty: none
+    bool looks_ = true;            ///< false: --beds none
+    bool asked_ = false;           ///< for that folder
+    std::string file_;
+};
+
+} // namespace bris
