@@ -1,10 +1,13 @@
 #include "engine/archive.hpp"
+#include "engine/io/whole_file.hpp"
 #include "scenarios/specimens/bed_store.hpp"
 #include "scenarios/triaxial/make_specimen.hpp"
 #include "tests/quiet_run.hpp"
+#include "tests/scenarios/faults/process.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <fstream>
@@ -77,6 +80,17 @@ TEST_SUITE("specimens/bed_store") {
         CHECK(!fs::exists("none"));
         std::ofstream(makers.folder / "file") << "no folder";
         CHECK(!makers.make(0.7, makers.folder / "file").was_kept);
+    }
+
+    TEST_CASE("the beds of the main job are in the assets") {
+        const TemporaryDirectory folder;
+        const Outcome run =
+            run_process({"smart_triaxial", "--confining-pressure", "55e3", "--final-axial-strain",
+                         "0.011", "--quiet", "--out", (folder / "out").string()},
+                        {}, 120);
+        REQUIRE_MESSAGE(run.code == 0, run.err);
+        const auto summary = nlohmann::json::parse(read_text(folder / "out" / "summary.json"));
+        CHECK(summary.at("preparation_wall_time_s").get<double>() < 5); // 40 to make them
     }
 
     TEST_CASE("the bits of a bed are those of its version: raise bed_version when they change") {
