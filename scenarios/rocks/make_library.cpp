@@ -8,6 +8,7 @@
 #include "scenarios/rocks/dimensions.hpp"
 #include "scenarios/rocks/read_mesh.hpp"
 #include "scenarios/rocks/rock.hpp"
+#include "scenarios/rocks/simplify.hpp"
 #include "scenarios/rocks/surface_distance.hpp"
 
 #include <fmt/format.h>
@@ -101,6 +102,26 @@ Polyhedron normalised(Polyhedron solid) {
     return solid;
 }
 
+/// A scanned rock, with few enough triangles to fit spheres to it within two minutes.
+struct ScannedRock {
+    Polyhedron solid;
+    std::string simplification;
+};
+ScannedRock read_rock(const std::filesystem::path& mesh) {
+    constexpr std::size_t most_triangles = 5000, compared = 2000;
+    const Polyhedron scanned = normalised(read_mesh(mesh));
+    Polyhedron solid = simplified(scanned, most_triangles);
+    if (solid.triangles.size() == scanned.triangles.size()) return {std::move(solid), {}};
+    const Deviation deviation = deviation_of(solid, scanned, compared);
+    const double volume = mass_properties(solid).volume / mass_properties(scanned).volume - 1;
+    const std::string text = fmt::format("{} triangles of the scan were reduced to {}: its "
+                                         "vertices are {:.2g} of the sieve size from "
+                                         "them, at most {:.2g}; the volume differs by {:.2g}.",
+                                         scanned.triangles.size(), solid.triangles.size(),
+                                         deviation.mean, deviation.largest, volume);
+    return {std::move(solid), text};
+}
+
 void write_report(const LibrarySettings& settings, const std::vector<LibraryRow>& rows,
                   const std::string& source) {
     std::vector<std::string> comments{
@@ -109,6 +130,7 @@ void write_report(const LibrarySettings& settings, const std::vector<LibraryRow>
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const LibraryRow& row = rows[k];
         comments.push_back(fmt::format("row {}: {}", k + 1, row.name));
+        if (!row.simplification.empty()) comments.push_back(row.simplification);
         values.push_back({static_cast<double>(k + 1),
                           static_cast<double>(row.clump.balls.size()),
                           static_cast<double>(row.faces),
@@ -177,9 +199,10 @@ std::vector<LibraryRow> make_library(const LibrarySettings& settings) {
     if (failure) throw OutputError(settings.out.string() + ": cannot be created");
     std::vector<LibraryRow> rows;
     if (!settings.mesh.empty()) {
-        const Polyhedron solid = normalised(read_mesh(settings.mesh));
+        const auto [solid, simplification] = read_rock(settings.mesh);
         rows.push_back(compare(settings.mesh.stem().string(), solid,
                                fill_clump(solid, settings.fill, settings.seed), settings));
+        rows.back().simplification = simplification;
     }
     for (unsigned k = 0; settings.mesh.empty() && k < settings.count; ++k) {
         const Polyhedron solid = make_rock(rock_settings(settings, k), settings.seed, k);
@@ -207,6 +230,8 @@ std::string sentence_of(const std::vector<LibraryRow>& rows) {
                             row.name, row.clump.balls.size(), row.volume_error, row.inertia_error,
                             row.to_clump_mean, row.to_clump_max, row.flat_elongated_solid,
                             row.flat_elongated_clump);
+    for (const LibraryRow& row : rows)
+        if (!row.simplification.empty()) text += "\n" + row.simplification;
     return text;
 }
 

@@ -43,6 +43,7 @@ struct LibraryRow {
     double least_radius = 0, greatest_radius = 0;
     /// Mean distance from the solid to the clump if OpenVDB fills it, with matched volume.
     double level_set_mean = 0;
+    std::string simplification; ///< of a scan with too many triangles, as a sentence; "": none
 };
 
 /// Makes the clumps, writes rock_01.csv ... (or a file named after the mesh), cube.csv and
