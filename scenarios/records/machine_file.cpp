@@ -114,11 +114,12 @@ private:
     }
 
     /// Empty: not measured.
-    Numbers volumetric_strains() const {
+    Numbers volumetric_strains() {
         if (table_.has(volume_name)) return table_.column(volume_name);
         if (!table_.has(volume_change_name)) return {};
         Numbers values = table_.column(volume_change_name);
         for (double& x : values) x /= first_area("change of volume") * height("change of volume");
+        note("a change of volume is taken as compression where it is positive.");
         return values;
     }
 

@@ -4,6 +4,7 @@
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
+#include "engine/io/whole_file.hpp"
 #include "engine/message.hpp"
 #include "engine/ranks.hpp"
 
@@ -33,11 +34,23 @@ fs::path cache_of_user() {
 
 bool concerns_bed(const NamedValue& setting, const std::vector<std::string_view>& may_differ) {
     const auto& always = settings_that_may_differ();
-    if (std::ranges::count(always, setting.key) > 0) return false;
-    if (std::ranges::count(may_differ, setting.key) > 0) return false;
+    return std::ranges::count(always, setting.key) + std::ranges::count(may_differ, setting.key) ==
+           0;
+}
+
+std::uint64_t hash_of(const std::string& text) {
+    const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+    Archive archive;
+    archive.put("text", std::span<const std::uint8_t>(bytes));
+    return fingerprint(archive);
+}
+
+/// A setting; of a file its content, and nothing of a folder, whose content is in the world.
+std::string text_of(const NamedValue& setting) {
     const auto* path = std::get_if<std::string>(&setting.value);
     std::error_code error;
-    return path == nullptr || path->empty() || !fs::exists(*path, error);
+    if (path == nullptr || path->empty() || !fs::exists(*path, error)) return setting.text();
+    return fs::is_regular_file(*path, error) ? hexadecimal(hash_of(read_whole(*path))) : "folder";
 }
 
 std::uint64_t hash_of_recipe(const Common& common, const Simulation& placed,
@@ -46,11 +59,8 @@ std::uint64_t hash_of_recipe(const Common& common, const Simulation& placed,
                                    common.scenario, hexadecimal(fingerprint(placed.snapshot())));
     for (const NamedValue& setting : common.settings)
         if (concerns_bed(setting, may_differ))
-            text += fmt::format("{} {}\n", setting.key, setting.text());
-    std::vector<std::uint8_t> bytes(text.begin(), text.end());
-    Archive recipe;
-    recipe.put("recipe", std::span<const std::uint8_t>(bytes));
-    return fingerprint(recipe);
+            text += fmt::format("{} {}\n", setting.key, text_of(setting));
+    return hash_of(text);
 }
 
 bool is_whole(const fs::path& bed) {

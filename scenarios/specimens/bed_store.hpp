@@ -22,7 +22,8 @@ class BedStore {
 public:
     /// `common`: scenario and settings of the run that makes the bed, and --beds. `placed`: its
     /// simulation before the first step. `kind`: begins the name of the file. Settings in
-    /// `may_differ` do not concern the bed, nor do paths, whose content is in the world.
+    /// `may_differ` do not concern the bed. Of files the content counts, of folders what the world
+    /// has of it.
     BedStore(const Common& common, const Simulation& placed, const std::string& kind,
              const std::vector<std::string_view>& may_differ = {});
 
