@@ -252,7 +252,7 @@ void run(const BallastBox& box, const Common& common) {
     Run run(simulation, common, "ballast_box");
     run.keep(samples);
     run.keep(last);
-    BoxBed bed(simulation, common, settings_after_bed(box, common));
+    const BoxBed bed(simulation, common, settings_after_bed(box, common));
     bed.begin(run, simulation, box, {"cycles"});
     FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings, box.written.extras());
     std::vector<Phase> phases = test.making_of_bed();

@@ -203,7 +203,7 @@ void run(const TrackPassage& t, const Common& common) {
     after_bed.insert(after_bed.end(),
                      {"passages", "train", "speed_m_per_s", "gap_m", "restitution", "step_fraction",
                       "sensor_density_kg_per_m3", "sensor_friction"});
-    BoxBed bed(simulation, common, after_bed);
+    const BoxBed bed(simulation, common, after_bed);
     bed.begin(run, simulation, t.box, {"passages"});
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,
                        t.box.written.extras());

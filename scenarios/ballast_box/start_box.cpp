@@ -53,16 +53,13 @@ BoxBed::BoxBed(const Simulation& simulation, const Common& common,
       store_(common, simulation, "bed", after_bed_) {}
 
 void BoxBed::begin(Run& run, Simulation& simulation, const BallastBox& box,
-                   const std::vector<std::string_view>& may_differ) {
+                   const std::vector<std::string_view>& may_differ) const {
     Common from = common_;
-    if (from.resume.empty()) from.resume = store_.find();
-    made_here_ = from.resume.empty();
+    from.resume = store_.from();
     const bool is_bed = common_.resume.empty() || common_.resume.filename() == bed_file;
     resume_box(run, simulation, box, from, is_bed ? after_bed_ : may_differ);
 }
 
-void BoxBed::keep() const {
-    if (made_here_) store_.keep(common_.out / bed_file);
-}
+void BoxBed::keep() const { store_.keep(common_.out / bed_file); }
 
 } // namespace bris

@@ -40,7 +40,7 @@ public:
     /// Begins the run: with the bed of the store, if that has it, or from --resume. Settings in
     /// `may_differ` may differ from those of a checkpoint that is not of a bed.
     void begin(Run& run, Simulation& simulation, const BallastBox& box,
-               const std::vector<std::string_view>& may_differ);
+               const std::vector<std::string_view>& may_differ) const;
 
     /// Adds bed.ckpt.h5 in the folder of results to the store, if this run made it.
     void keep() const;
@@ -49,7 +49,6 @@ private:
     const Common& common_;
     std::vector<std::string_view> after_bed_;
     BedStore store_;
-    bool made_here_ = false;
 };
 
 } // namespace bris

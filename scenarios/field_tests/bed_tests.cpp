@@ -23,12 +23,12 @@ std::filesystem::path checkpoint_of(const Common& common, const std::filesystem:
 void make_bed(Run& run, const Simulation& simulation, const Common& common,
               const std::vector<std::string_view>& settings_of_tests) {
     constexpr auto name = "specimen";
-    const BedStore store(common, simulation, name, settings_of_tests);
-    const auto started = checkpoint_of(common, name),
-               from = started.empty() ? store.find() : started;
-    if (!from.empty()) run.resume(from, settings_of_tests);
+    Common of_bed = common;
+    of_bed.resume = checkpoint_of(common, name);
+    const BedStore store(of_bed, simulation, name, settings_of_tests);
+    if (!store.from().empty()) run.resume(store.from(), settings_of_tests);
     run.go(make_bed_phases());
-    if (from.empty()) store.keep(common.out / (std::string(name) + ".ckpt.h5"));
+    store.keep(common.out / (std::string(name) + ".ckpt.h5"));
 }
 
 } // namespace bris

@@ -46,15 +46,6 @@ RockSettings rock_settings(const LibrarySettings& settings, unsigned index) {
     return rock;
 }
 
-double surface_area(const Polyhedron& solid) {
-    double area = 0;
-    for (const auto& [i, j, k] : solid.triangles) {
-        const Vec3& a = solid.vertices[i];
-        area += 0.5 * (solid.vertices[j] - a).cross(solid.vertices[k] - a).norm();
-    }
-    return area;
-}
-
 /// Computes the row of the report for one clump. `balls`: in the frame of the solid, sieve size 1.
 LibraryRow compare(const std::string& name, const Polyhedron& solid, const std::vector<Ball>& balls,
                    const LibrarySettings& settings) {

@@ -189,4 +189,13 @@ MassProperties mass_properties(const Polyhedron& polyhedron) {
     return {volume, origin + centre, second.trace() * Mat3::Identity() - second};
 }
 
+double surface_area(const Polyhedron& polyhedron) {
+    double area = 0;
+    for (const auto& [i, j, k] : polyhedron.triangles) {
+        const Vec3& a = polyhedron.vertices[i];
+        area += 0.5 * (polyhedron.vertices[j] - a).cross(polyhedron.vertices[k] - a).norm();
+    }
+    return area;
+}
+
 } // namespace bris

@@ -41,6 +41,9 @@ Polyhedron make_cube(double side);
 /// each triangle. The only error is round-off.
 MassProperties mass_properties(const Polyhedron& polyhedron);
 
+/// Sum of the areas of the triangles, m2.
+double surface_area(const Polyhedron& polyhedron);
+
 /// Vertices as spheres of radius 0, for functions that only use the convex hull.
 std::vector<Ball> vertex_balls(const Polyhedron& polyhedron);
 

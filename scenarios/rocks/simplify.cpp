@@ -33,15 +33,6 @@ struct Cell {
     }
 };
 
-double area_of(const Polyhedron& surface) {
-    double area = 0;
-    for (const auto& [a, b, c] : surface.triangles)
-        area += 0.5 * (surface.vertices[b] - surface.vertices[a])
-                          .cross(surface.vertices[c] - surface.vertices[a])
-                          .norm();
-    return area;
-}
-
 /// The cell of each vertex, numbered in the order of the vertices.
 std::vector<std::size_t> cells_of_vertices(const Polyhedron& surface, double size) {
     Vec3 low = surface.vertices.front();
@@ -90,7 +81,7 @@ Polyhedron clustered(const Polyhedron& surface, double size) {
 Polyhedron simplified(const Polyhedron& surface, std::size_t most) {
     if (surface.triangles.size() <= most) return surface;
     // a cell on the surface gives two triangles
-    double size = std::sqrt(2 * area_of(surface) / static_cast<double>(most));
+    double size = std::sqrt(2 * surface_area(surface) / static_cast<double>(most));
     for (;; size *= 1.1)
         if (Polyhedron coarse = clustered(surface, size); coarse.triangles.size() <= most)
             return coarse;

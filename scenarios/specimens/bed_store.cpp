@@ -2,7 +2,6 @@
 
 #include "engine/archive.hpp"
 #include "engine/assets.hpp"
-#include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/message.hpp"
@@ -95,33 +94,31 @@ void make_room(const fs::path& folder) {
 
 BedStore::BedStore(const Common& common, const Simulation& placed, const std::string& kind,
                    const std::vector<std::string_view>& may_differ)
-    : looks_(common.beds != "none"), asked_(!common.beds.empty()) {
-    if (!looks_) return;
-    folder_ = common.beds.empty() ? cache_of_user() : common.beds;
-    file_ =
+    : from_(common.resume), asked_(!common.beds.empty()) {
+    if (!from_.empty() || common.beds == "none") return;
+    const fs::path folder = common.beds.empty() ? cache_of_user() : common.beds;
+    const std::string file =
         fmt::format("{}_{}.ckpt.h5", kind, hexadecimal(hash_of_recipe(common, placed, may_differ)));
-}
-
-fs::path BedStore::find() const {
-    fs::path found;
-    if (looks_)
-        for (const fs::path& folder : {folder_, assets_folder() / "beds"})
-            if (found.empty() && !folder.empty() && is_whole(folder / file_))
-                found = folder / file_;
-    if (Ranks::any(found.empty())) return {};
+    for (const fs::path& place : {folder, assets_folder() / "beds"})
+        if (from_.empty() && !place.empty() && is_whole(place / file)) from_ = place / file;
+    if (Ranks::any(from_.empty())) {
+        from_.clear();
+        if (!folder.empty()) kept_ = folder / file;
+        return;
+    }
     std::error_code error; // of assets that cannot be written to
-    fs::last_write_time(found, fs::file_time_type::clock::now(), error);
-    return found;
+    fs::last_write_time(from_, fs::file_time_type::clock::now(), error);
 }
 
 void BedStore::keep(const fs::path& checkpoint) const {
-    if (folder_.empty() || !Ranks::writes()) return;
+    if (kept_.empty() || !Ranks::writes()) return;
+    const fs::path folder = kept_.parent_path();
     try {
-        fs::create_directories(folder_);
-        const fs::path copy = folder_ / fmt::format(".{}.{}", getpid(), file_);
+        fs::create_directories(folder);
+        const fs::path copy = folder / fmt::format(".{}.{}", getpid(), kept_.filename().string());
         fs::copy_file(checkpoint, copy, fs::copy_options::overwrite_existing);
-        fs::rename(copy, folder_ / file_);
-        make_room(folder_);
+        fs::rename(copy, kept_);
+        make_room(folder);
     } catch (const fs::filesystem_error& error) {
         if (asked_) say(fmt::format("warning: --beds: the bed is not kept: {}", error.what()));
     }

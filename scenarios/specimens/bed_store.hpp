@@ -20,27 +20,27 @@ constexpr int bed_version = 1;
 /// twice: the second time it costs nothing and has the same bits.
 class BedStore {
 public:
-    /// `common`: scenario and settings of the run that makes the bed, and --beds. `placed`: its
-    /// simulation before the first step. `kind`: begins the name of the file. Settings in
-    /// `may_differ` do not concern the bed. Of files the content counts, of folders what the world
-    /// has of it.
+    /// Looks for the bed in the user's folder, then in that of the assets; a damaged file (its seal
+    /// is checked) is said and passed over; on several ranks all or none find it. A run with
+    /// --resume looks for none and keeps none. `common`: scenario and settings of the run that
+    /// makes the bed, and --beds. `placed`: its simulation before the first step. `kind`: begins
+    /// the name of the file. Settings in `may_differ` do not concern the bed. Of files the content
+    /// counts, of folders what the world has of it.
     BedStore(const Common& common, const Simulation& placed, const std::string& kind,
              const std::vector<std::string_view>& may_differ = {});
 
-    /// The checkpoint of the bed, in the user's folder or in that of the assets; empty if neither
-    /// has it whole (its seal is checked), which is said if a file is damaged. On several ranks all
-    /// or none find it.
-    std::filesystem::path find() const;
+    /// The checkpoint with which the run begins: that of --resume, or of the bed that was found;
+    /// empty: the bed has to be made.
+    const std::filesystem::path& from() const { return from_; }
 
-    /// Adds the checkpoint of the finished bed to the user's folder; the oldest beds give way when
-    /// all together have more than 4 GiB. If --beds cannot be written to, it is said, and no error.
+    /// Adds the checkpoint of a bed that had to be made to the user's folder; the oldest beds give
+    /// way when all together have more than 4 GiB. If --beds cannot be written to, it is said, and
+    /// no error.
     void keep(const std::filesystem::path& checkpoint) const;
 
 private:
-    std::filesystem::path folder_; ///< of the user; empty: none
-    bool looks_ = true;            ///< false: --beds none
-    bool asked_ = false;           ///< for that folder
-    std::string file_;
+    std::filesystem::path from_, kept_; ///< kept_: where the bed is kept once made; empty: nowhere
+    bool asked_ = false;                ///< for the folder
 };
 
 } // namespace bris

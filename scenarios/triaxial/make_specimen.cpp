@@ -95,15 +95,14 @@ MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings&
     TriaxialScene scene = of_test;
     scene.specimen.law =
         LawName::linear; // rocks that grow overlap so deeply that Hertz contacts explode
-    const Common of_specimen = common_of_specimen(common);
+    Common of_specimen = common_of_specimen(common);
+    if (begin) of_specimen.beds = "none"; // the settings do not say where it places the rocks
     Simulation simulation = make_simulation(scene, common.threads, common.serial);
     TriaxialTest test(simulation, settings);
     Run run(simulation, of_specimen, "specimen", report);
     const BedStore store(of_specimen, simulation, "specimen");
-    const bool anew = of_specimen.resume.empty() && !begin;
-    const std::filesystem::path kept = anew ? store.find() : std::filesystem::path();
-    if (const auto& from = anew ? kept : of_specimen.resume; !from.empty())
-        run.resume(from);
+    if (!store.from().empty())
+        run.resume(store.from());
     else if (begin)
         begin(simulation, test);
     StepCount of_trials;
@@ -125,12 +124,13 @@ MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings&
     run.go({{.advance = advance, .progress = [&](const World&) {
                  return trial ? trial->progress() : test.progress();
              }}});
-    if (anew && kept.empty()) store.keep(of_specimen.out / specimen_file);
+    store.keep(of_specimen.out / specimen_file);
     StepCount count = simulation.count();
     count.steps += of_trials.steps;
     count.wall_time += of_trials.wall_time;
     return {simulation.snapshot(), test.state().prepared_porosity,
-            simulation.world().resource<Clock>().step, count, !kept.empty()};
+            simulation.world().resource<Clock>().step, count,
+            of_specimen.resume.empty() && !store.from().empty()};
 }
 
 } // namespace bris
