@@ -18,9 +18,16 @@ struct Facets {
 struct Planes {
     static constexpr auto name = "planes";
 };
-/// Elements of a membrane.
+/// Elements of a rigid membrane.
 struct Elements {
     static constexpr auto name = "elements";
+};
+/// Nodes and triangles of a sleeve of latex.
+struct Nodes {
+    static constexpr auto name = "nodes";
+};
+struct Triangles {
+    static constexpr auto name = "triangles";
 };
 /// Packed rows of the spheres that are on any short list, body by body. Single spheres are all
 /// listed, in the rows of their bodies.

@@ -23,6 +23,8 @@ struct Platen {
     double damping = 0.7;         ///< local damping, as that of the membrane
     double contact_stiffness = 0; ///< N/m, of one grain contact on the platen
     double largest_step = 0;      ///< m, largest displacement in a step
+    double area = 0;              ///< m2, mean area inside the membrane in the last step
+    double pull = 0;              ///< N, downwards, of a sleeve that is clamped at the platen
     double pressure = 0;          ///< Pa, in the last step
     double wanted = 0;            ///< Pa, set point in the last step, while it is controlled
     std::int64_t contacts = 0;    ///< grains that touch it, while it is controlled

@@ -17,6 +17,7 @@
 #include "systems/servo/platen.hpp"
 #include "systems/slabs/slabs.hpp"
 #include "systems/sleep/sleep.hpp"
+#include "systems/sleeve/sleeve.hpp"
 #include "systems/steps/move_spheres.hpp"
 
 #include <utility>
@@ -86,6 +87,7 @@ StepList lists_of_step() {
         when(moved, system("update_planes again", update_planes)),
         when(moved, system("update_facets again", update_facets)),
         when(moved, system("update_turned_facets again", update_turned_facets)),
+        when(moved, system("update_triangles again", update_triangles)),
         when(moved, system("note_positions", note_positions)),
         when(sleep_or_lists_are_due, system("review_sleep", review_sleep)),
         when(fields_or_lists_are_due, system("weaken_contacts", weaken_contacts)),
@@ -101,6 +103,7 @@ StepList contacts_of_step(LawName law, const StepChoices& choices) {
         required(collide_facets(law, choices)),
         required(collide_planes(law, choices)),
         required(collide_membrane(law, choices)),
+        required(collide_sleeve(law, choices)),
         system("sum_boundaries", sum_boundaries),
         system("share_boundary_forces", share_boundary_forces),
     };
@@ -152,13 +155,20 @@ StepList boundaries_of_step() {
         system("accumulate_membrane_work", accumulate_membrane_work),
         system("servo_membrane", servo_membrane),
         system("accumulate_membrane_work again", accumulate_membrane_work),
+        system("sum_sleeve", sum_sleeve),
+        system("share_sleeve_forces", share_sleeve_forces),
+        system("pull_sleeve", pull_sleeve),
+        system("accumulate_sleeve_work", accumulate_sleeve_work),
         system("count_platen_contacts", count_platen_contacts),
         system("share_platen_contacts", share_platen_contacts),
         system("servo_platen", servo_platen),
         system("accumulate_platen_work", accumulate_platen_work),
+        system("move_sleeve", move_sleeve),
+        system("accumulate_sleeve_work again", accumulate_sleeve_work),
         system("update_planes", update_planes),
         system("update_facets", update_facets),
         system("update_turned_facets", update_turned_facets),
+        system("update_triangles", update_triangles),
     };
 }
 

@@ -3,6 +3,7 @@
 #include "components/membrane_surface.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
+#include "components/triangle_surface.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "systems/broadphase/lists.hpp"
@@ -44,6 +45,13 @@ double distance_from_facet(const World& world, Row facet, Row host, const Vec3& 
 }
 
 double distance_from_membrane(const World& world, Row sector, const Vec3& x) {
+    if (world.has<Triangles>()) {
+        const auto position = world.column<Nodes, NodePosition>();
+        return distance_from_triangle(
+            placed(world.column<Triangles, Corners>()[sector],
+                   [&](EntityId n) -> const Vec3& { return position[n]; }),
+            x);
+    }
     const auto& membrane = world.resource<Membrane>();
     const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
     return surface.nearest(static_cast<int>(sector), x.dot(membrane.outward[sector]), x.z())

@@ -80,7 +80,7 @@ std::vector<EntityId> retire_bodies(World& world, const std::vector<Row>& gone) 
         for (EntityId& id : world.column<Planes, HostId>()) id = name[id];
     if (world.has<Facets>())
         for (EntityId& id : world.column<Facets, HostId>()) id = name[id];
-    if (world.has<Elements>())
+    if (world.has_resource<Membrane>())
         world.resource<Membrane>().body = name[world.resource<Membrane>().body];
     forget_lists(world);
     return name;

@@ -5,6 +5,7 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
+#include "scenarios/specimens/sleeve.hpp"
 #include "scenarios/specimens/start.hpp"
 
 #include <array>
@@ -176,7 +177,11 @@ void add_tube(World& world, const TubeSettings& s, std::uint32_t material) {
     membrane.target_pressure = s.pressure;
     membrane.contact_stiffness = s.contact_stiffness;
     membrane.largest_step = 1e-4 * s.radius;
-    add_membrane(world, std::move(membrane), s.radius, material);
+    if (s.latex)
+        add_sleeve(world, std::move(membrane), {},
+                   {3 * s.sectors, 4 * s.rings + 1, s.sectors, s.radius, s.height}, material);
+    else
+        add_membrane(world, std::move(membrane), s.radius, material);
     const EntityId bottom = add_boundary(world, Vec3::Zero(), material);
     const EntityId top = add_boundary(world, Vec3(0, 0, s.height), material, Motion::servo);
     add_plane(world, bottom, Vec3::Zero(), Vec3(0, 0, 1));

@@ -103,11 +103,13 @@ struct SmallBed {
 World bed(const SmallBed& bed);
 
 /// A cylindrical membrane of `rings` x `sectors` elements about the z axis, driven by a servo and
-/// closed by two planes; the upper one is a platen.
+/// closed by two planes; the upper one is a platen. Of latex, it is a sleeve with three columns of
+/// nodes for each sector and four levels for each ring.
 struct TubeSettings {
     unsigned rings = 2, sectors = 8;
     double radius = 0.05, height = 0.1, pressure = 1e4;
     double contact_stiffness = 1e5; ///< N/m, of a grain on an element
+    bool latex = false;
 };
 
 void add_tube(World& world, const TubeSettings& s, std::uint32_t material);

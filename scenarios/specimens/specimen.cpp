@@ -5,6 +5,7 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/sleeve.hpp"
 
 namespace bris {
 
@@ -23,6 +24,16 @@ void add_platens(World& world, const SpecimenSettings& s, Specimen& specimen) {
     world.add_resource(platen);
 }
 
+/// Triangles with edges of about the wanted length.
+SleeveMesh mesh_of(const SpecimenSettings& s) {
+    const double edge = s.latex.edge * s.smartrock_size,
+                 side = 2 * s.radius * std::tan(pi / s.sectors);
+    const auto parts = [&](double length) {
+        return static_cast<unsigned>(std::max(1.0, std::round(length / edge)));
+    };
+    return {s.sectors * parts(side), 1 + parts(s.height), s.sectors, s.radius, s.height};
+}
+
 /// Material of the sensor rocks: a separate one only if it differs from that of the rocks.
 std::uint32_t add_shell(Materials& materials, const SpecimenSettings& s, std::uint32_t rock) {
     if (s.sensor_density <= 0 && s.sensor_friction < 0) return rock;
@@ -35,6 +46,11 @@ std::uint32_t add_shell(Materials& materials, const SpecimenSettings& s, std::ui
 
 } // namespace
 
+const std::vector<std::string>& texts_of(MembraneKind) {
+    static const std::vector<std::string> texts{"rings", "latex"};
+    return texts;
+}
+
 void give_constants_of_law(World& world, const SpecimenSettings& s) {
     auto& materials = world.resource<Materials>();
     const auto& specimen = world.resource<Specimen>();
@@ -46,7 +62,23 @@ void give_constants_of_law(World& world, const SpecimenSettings& s) {
     if (traits(s.law).edges)
         for (const auto rock : {specimen.rock_material, specimen.sensor_material})
             s.edges.give_to(materials.list[rock]);
+    if (s.membrane == MembraneKind::latex) {
+        Material& latex = materials.list[specimen.membrane_material];
+        latex.normal_stiffness = latex.shear_stiffness = s.latex.contact_stiffness;
+    }
     materials.mix();
+}
+
+void put_on_latex(World& world, const SpecimenSettings& s) {
+    world.resource<Membrane>().pressure.clear(); // of rings
+    world.resource<Membrane>().stiffness.clear();
+    auto& sleeve = world.resource<Sleeve>();
+    sleeve.thickness = s.latex.thickness;
+    sleeve.young_modulus = s.latex.young_modulus;
+    sleeve.wrinkles = s.latex.wrinkles;
+    const auto& specimen = world.resource<Specimen>();
+    put_on(world, s.sectors, s.radius,
+           world.column<Bodies, Position>()[row_of_body(world, specimen.top)].z());
 }
 
 double radius_for(double solid_volume, double porosity, unsigned sectors) {
@@ -103,7 +135,10 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     membrane.rings = s.rings;
     membrane.sectors = s.sectors;
     membrane.ring_height = s.height / s.rings;
-    add_membrane(world, std::move(membrane), s.radius, specimen.membrane_material);
+    if (s.membrane == MembraneKind::latex)
+        add_sleeve(world, std::move(membrane), {}, mesh_of(s), specimen.membrane_material);
+    else
+        add_membrane(world, std::move(membrane), s.radius, specimen.membrane_material);
     add_platens(world, s, specimen);
     world.resource<Limits>().low = Vec3(-2 * s.radius, -2 * s.radius, -0.1 * s.height);
     world.resource<Limits>().high = Vec3(2 * s.radius, 2 * s.radius, 2 * s.height);

@@ -7,9 +7,23 @@
 #include "scenarios/specimens/rock_edges.hpp"
 #include "scenarios/specimens/sensor_rocks.hpp"
 
+#include <string>
 #include <vector>
 
 namespace bris {
+
+/// What holds a triaxial specimen while it is tested.
+enum class MembraneKind { rings, latex };
+const std::vector<std::string>& texts_of(MembraneKind);
+
+/// A sleeve of latex around a specimen.
+struct LatexSettings {
+    double thickness = 2e-3;        ///< m
+    double young_modulus = 1.4e6;   ///< Pa
+    bool wrinkles = true;           ///< takes no compression
+    double edge = 0.5;              ///< of its triangles, over the size of the sensor rocks
+    double contact_stiffness = 2e6; ///< N/m, of one partner
+};
 
 /// Settings of a triaxial specimen. Its axis is z; the lower platen is at z = 0.
 struct SpecimenSettings {
@@ -17,10 +31,12 @@ struct SpecimenSettings {
     double height = 0.61;             ///< m, wanted
     unsigned rings = 8, sectors = 12; ///< of the membrane
     bool per_element = false;         ///< servo of each membrane element instead of each ring
-    double density = 2750;            ///< kg/m3
-    double friction = 0.7;            ///< Coulomb coefficient, rock on rock and rock on platen
-    double clump_stiffness = 0.63e8;  ///< N/m, normal and shear, of one partner
-    double wall_stiffness = 1e8;      ///< N/m
+    MembraneKind membrane = MembraneKind::rings;
+    LatexSettings latex = {};
+    double density = 2750;           ///< kg/m3
+    double friction = 0.7;           ///< Coulomb coefficient, rock on rock and rock on platen
+    double clump_stiffness = 0.63e8; ///< N/m, normal and shear, of one partner
+    double wall_stiffness = 1e8;     ///< N/m
     /// Contact law of the test. Hertz laws take the elastic constants of all partners. The specimen
     /// is prepared with linear contacts all the same, and the stiffnesses above give the masses of
     /// servos and the least masses of rocks.
@@ -52,8 +68,12 @@ struct Specimen {
 };
 
 /// Gives the materials of a specimen the constants that the law of the test reads and linear
-/// contacts do not: of Hertz contacts, and the edges of rocks and sensor rocks.
+/// contacts do not: of Hertz contacts, and the edges of rocks and sensor rocks; and a sleeve the
+/// stiffness of its contacts.
 void give_constants_of_law(World& world, const SpecimenSettings& settings);
+
+/// Puts the sleeve of the test on a specimen that was prepared within rigid elements.
+void put_on_latex(World& world, const SpecimenSettings& settings);
 
 /// Radius (m) of a specimen with height twice the diameter that contains this solid volume (m3) at
 /// the given porosity; the cross-section is the polygon of the membrane.

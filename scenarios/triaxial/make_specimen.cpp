@@ -95,6 +95,7 @@ MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings&
     TriaxialScene scene = of_test;
     scene.specimen.law =
         LawName::linear; // rocks that grow overlap so deeply that Hertz contacts explode
+    scene.specimen.membrane = MembraneKind::rings; // the mould
     Common of_specimen = common_of_specimen(common);
     if (begin) of_specimen.beds = "none"; // the settings do not say where it places the rocks
     Simulation simulation = make_simulation(scene, common.threads, common.serial);

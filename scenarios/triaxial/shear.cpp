@@ -61,12 +61,8 @@ void TriaxialTest::add_stage() {
         p[worst_ring_error] = std::max(p[worst_ring_error], error);
         p[mean_ring_error] += error / static_cast<double>(membrane.pressure.size());
     }
-    const Table& elements = world.table<Elements>();
-    for (unsigned r = 0; r < membrane.rings; ++r) p.part(ring_radius, r) = 0;
-    for (std::size_t e = 0; e < elements.size(); ++e) {
-        p.part(ring_radius, e / membrane.sectors) +=
-            elements.column<ElementRadius>()[e] / membrane.sectors;
-    }
+    const std::vector<double> radii = ring_radii(world);
+    for (std::size_t r = 0; r < radii.size(); ++r) p.part(ring_radius, r) = radii[r];
     p[axial_stress] = now.axial_stress;
     p[radial_stress] = now.radial_stress;
     p[deviatoric_stress] = p[axial_stress] - p[radial_stress];

@@ -9,6 +9,7 @@
 #include "engine/clock.hpp"
 #include "engine/ordering.hpp"
 #include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/sleeve.hpp"
 #include "systems/servo/membrane.hpp"
 
 #include <algorithm>
@@ -16,7 +17,8 @@
 namespace bris {
 
 double membrane_radius(const World& world) {
-    return world.column<Elements, ElementRadius>().front();
+    return world.has<Nodes>() ? world.resource<Sleeve>().radius
+                              : world.column<Elements, ElementRadius>().front();
 }
 
 double platen_height(const World& world) {
@@ -24,6 +26,7 @@ double platen_height(const World& world) {
 }
 
 double specimen_volume(const World& world) {
+    if (world.has<Nodes>()) return sleeve_volume(world);
     return membrane_volume(world.resource<Membrane>(),
                            world.column<Elements, ElementRadius>().data(), platen_height(world));
 }
@@ -31,16 +34,30 @@ double specimen_volume(const World& world) {
 SpecimenLoad specimen_load(const World& world) {
     const auto& specimen = world.resource<Specimen>();
     const auto force = world.column<Bodies, Force>();
+    const double top = platen_height(world), volume = specimen_volume(world),
+                 on_top = force[row_of_body(world, specimen.top)].z(),
+                 on_bottom = force[row_of_body(world, specimen.bottom)].z(),
+                 axial = 0.5 * (on_top - on_bottom) * top / volume;
+    if (world.has<Nodes>())
+        return {top, volume, axial - world.resource<Platen>().pull * top / volume,
+                world.resource<Sleeve>().pressure};
     const Table& elements = world.table<Elements>();
     double area = 0, push = 0;
     for (std::size_t e = 0; e < elements.size(); ++e) {
         push += elements.column<ElementPush>()[e];
         area += elements.column<ElementArea>()[e];
     }
-    const double top = platen_height(world), volume = specimen_volume(world),
-                 on_top = force[row_of_body(world, specimen.top)].z(),
-                 on_bottom = force[row_of_body(world, specimen.bottom)].z();
-    return {top, volume, 0.5 * (on_top - on_bottom) * top / volume, push / area};
+    return {top, volume, axial, push / area};
+}
+
+std::vector<double> ring_radii(const World& world) {
+    const auto& membrane = world.resource<Membrane>();
+    if (world.has<Nodes>()) return sleeve_radii(world, membrane.rings);
+    std::vector<double> mean(membrane.rings, 0);
+    const auto radius = world.column<Elements, ElementRadius>();
+    for (std::size_t e = 0; e < radius.size(); ++e)
+        mean[e / membrane.sectors] += radius[e] / membrane.sectors;
+    return mean;
 }
 
 CylinderRegion core(const World& world) {

@@ -17,11 +17,17 @@ double platen_height(const World& world);
 double specimen_volume(const World& world);
 
 /// Size of a specimen and the stresses of its boundaries in the last step; compression positive.
+/// Within a sleeve they are those that a laboratory measures: the load on the platens, which carry
+/// the sleeve too, and the pressure of the cell.
 struct SpecimenLoad {
     double height, volume;              ///< m, m3
     double axial_stress, radial_stress; ///< Pa
 };
 SpecimenLoad specimen_load(const World& world);
+
+/// Mean radius (m) of the membrane at the height of each of its rings, or, of a sleeve, of as many
+/// equal parts of its height.
+std::vector<double> ring_radii(const World& world);
 
 /// The core, the region in which porosity is measured: 0.6 of the radius, the middle half of the
 /// height.

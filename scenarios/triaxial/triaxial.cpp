@@ -6,6 +6,7 @@
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
 #include "components/settings.hpp"
+#include "components/sleeve.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/specimens/true_masses.hpp"
 #include "systems/contact/mass_scaling.hpp"
@@ -145,6 +146,7 @@ bool TriaxialTest::is_in_equilibrium() {
     if (platen.controlled) consider(platen.pressure, platen.wanted);
     for (const double pressure : world.resource<Membrane>().pressure)
         consider(pressure, settings_.confining_pressure);
+    if (world.has_resource<Sleeve>()) consider(1 + world.resource<Sleeve>().unbalanced, 1);
     if (!carries_load(balance)) return false;
     if (!(balance.unbalanced_ratio <= settings_.tolerance)) return false;
     if (!(pressure_error_ <= settings_.pressure_tolerance)) return false;

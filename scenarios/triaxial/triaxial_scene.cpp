@@ -184,14 +184,23 @@ void forget_springs(World& world) {
         std::ranges::fill(world.column<Pairs, Spring>(), SpringRow{});
 }
 
+/// A specimen that was prepared within rigid elements has no sleeve yet.
+void add_sleeve_of(const World& world, Archive& specimen) {
+    const Archive own = save_state(world);
+    for (const Archive::Array& array : own.arrays())
+        if (specimen.find(array.path) == nullptr) specimen.put(array);
+}
+
 } // namespace
 
 void restore_specimen(Simulation& simulation, const TriaxialScene& scene, const Archive& specimen) {
     World& world = simulation.world();
     Archive state = specimen;
     add_absent_columns(state, world);
+    if (world.has<Nodes>()) add_sleeve_of(world, state);
     simulation.restore(state);
     give_constants_of_law(world, scene.specimen);
+    if (world.has<Nodes>()) put_on_latex(world, scene.specimen);
     if (!is_hertz(scene.specimen.law)) return;
     forget_springs<SpherePairs>(world);
     forget_springs<PlanePairs>(world);

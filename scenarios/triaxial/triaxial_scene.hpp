@@ -98,6 +98,19 @@ struct Triaxial {
         option("sensor_poses", sensor_poses, "",
                "CSV file with the poses of the sensor rocks. Without it there are ten at three "
                "heights, or 7 or 3 in a small specimen.");
+        option("membrane", specimen.membrane, "",
+               "What holds the specimen while it is tested: rings of rigid elements, of which each "
+               "moves by its own servo, or a sleeve of latex under the pressure of the cell. The "
+               "specimen is prepared within rings, whatever it is.");
+        option("latex_thickness", specimen.latex.thickness, "m", "Thickness of the sleeve.",
+               above(0, 0.1).usually(2e-4, 1e-2));
+        option("latex_modulus", specimen.latex.young_modulus, "Pa",
+               "Young's modulus of the sleeve.", above(0, 1e10).usually(5e5, 1e7));
+        option("latex_wrinkles", specimen.latex.wrinkles, "",
+               "The sleeve folds instead of taking compression.");
+        option("latex_edge", specimen.latex.edge, "",
+               "Length of the edges of its triangles over the size of a sensor rock.",
+               within(0.05, 2));
         option("servo_per_element", specimen.per_element, "",
                "Control the pressure of each membrane element separately instead of that of each "
                "ring.");

@@ -2,6 +2,7 @@
 #include "components/census.hpp"
 #include "components/force_sums.hpp"
 #include "components/membrane.hpp"
+#include "components/sleeve.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/broadphase/sphere_rows.hpp"
 
@@ -67,9 +68,14 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     add_pair_tables<SpherePairs>(world, law);
     if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, law);
     if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, law);
-    if (world.has<Elements>()) {
+    if (world.has<Elements>() || world.has<Triangles>())
         add_pair_tables<MembranePairs>(world,
                                        LawName::linear_frictionless); // for any law between grains
+    if (world.has<Triangles>()) {
+        world.table<NearMembrane>().add<TreadOf>();
+        world.add_resource<SleeveSums>();
+    }
+    if (world.has<Elements>()) {
         world.table<NearMembrane>().add<FootOf>();
         world.add_resource<MembraneBands>();
         world.add_resource<ElementSums>();

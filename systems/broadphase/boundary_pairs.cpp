@@ -4,6 +4,7 @@
 #include "components/slab.hpp"
 #include "engine/ordering.hpp"
 #include "systems/broadphase/carry_over.hpp"
+#include "systems/broadphase/flat_parts.hpp"
 #include "systems/broadphase/skins.hpp"
 #include "systems/broadphase/sphere_rows.hpp"
 
@@ -128,43 +129,56 @@ void find_plane_pairs(World& world) {
         [&](const Vec3& x, double r, Row e) { return height(x, e) < r + skin[host[e]]; });
 }
 
-void find_facet_pairs(World& world) {
-    Table &facets = world.table<Facets>(), &bodies = world.table<Bodies>();
-    const auto host = facets.column<HostRow>();
-    const auto shape = facets.column<LocalFacet>();
+namespace {
+
+/// Candidates of flat parts with these ids and rows of their hosts.
+template <class Pairs>
+void find_flat_pairs(World& world, std::span<const EntityId> id, std::span<const Row> host,
+                     const std::vector<FlatPart>& parts) {
+    Table& bodies = world.table<Bodies>();
     const auto position = bodies.column<Position>();
     const auto radius = bodies.column<BoundingRadius>(), skin = bodies.column<OuterSkin>();
     const double beyond = reach_beyond_skin(world);
-    const Poses<> poses(world);
-    std::vector<Eigen::AlignedBox3d> boxes(facets.size());
-    std::vector<FacetRow> at(facets.size());
-    for (std::size_t e = 0; e < boxes.size(); ++e) {
-        const Pose pose = poses[host[e]];
-        at[e] = placed(shape[e], pose.position, pose.orientation);
-        for (const Vec3& corner : at[e].corners) boxes[e].extend(Eigen::Vector3d(corner));
-    }
-    // a sphere out of reach of the facet's box or of its plane is out of reach of the facet
+    // a sphere out of reach of a part's box or of its plane is out of reach of the part
     const auto reaches = [&](const Vec3& x, double r, Row e) {
-        const double height = (x - at[e].corners[0]).dot(at[e].normal),
-                     reach = r + skin[host[e]] + beyond;
-        return std::abs(height) < reach &&
-               boxes[e].squaredExteriorDistance(Eigen::Vector3d(x)) < reach * reach;
+        const double reach = r + skin[host[e]] + beyond;
+        return parts[e].from_plane(x) < reach && parts[e].from_box(x) < reach;
     };
-    std::vector<Eigen::AlignedBox3d> within_reach = boxes;
+    std::vector<Eigen::AlignedBox3d> within_reach;
     const double largest = largest_enlarged_radius(bodies) + beyond;
-    for (std::size_t e = 0; e < boxes.size(); ++e) {
-        const Eigen::Vector3d margin = Eigen::Vector3d::Constant(largest + skin[host[e]]);
-        within_reach[e] = {boxes[e].min() - margin, boxes[e].max() + margin};
-    }
     // with few boxes a grid costs more than it saves if fast bodies need new lists in every step
-    const auto all = all_rows(facets.size());
+    const auto all = all_rows(parts.size());
     const bool few = all.size() <= 16;
-    if (few) within_reach.clear();
+    for (std::size_t e = 0; e < parts.size() && !few; ++e) {
+        const Eigen::Vector3d margin = Eigen::Vector3d::Constant(largest + skin[host[e]]);
+        within_reach.emplace_back(parts[e].box.min() - margin, parts[e].box.max() + margin);
+    }
     const BoxGrid grid(within_reach);
-    find_pairs<FacetPairs>(
-        world, facets.column<FacetId>(), host,
+    find_pairs<Pairs>(
+        world, id, host,
         [&](Row b) { return few ? std::span<const Row>(all) : grid.around(position[b]); },
         [&](Row b, Row e) { return reaches(position[b], radius[b] + skin[b], e); }, reaches);
+}
+
+} // namespace
+
+void find_facet_pairs(World& world) {
+    Table& facets = world.table<Facets>();
+    const auto host = facets.column<HostRow>();
+    const auto shape = facets.column<LocalFacet>();
+    const Poses<> poses(world);
+    std::vector<FlatPart> parts;
+    for (std::size_t e = 0; e < shape.size(); ++e) {
+        const Pose pose = poses[host[e]];
+        parts.push_back(FlatPart(placed(shape[e], pose.position, pose.orientation).corners));
+    }
+    find_flat_pairs<FacetPairs>(world, facets.column<FacetId>(), host, parts);
+}
+
+void find_triangle_pairs(World& world) {
+    const std::vector<FlatPart> parts = flat_parts_of_sleeve(world);
+    const std::vector<Row> host(parts.size(), world.resource<Membrane>().body_row);
+    find_flat_pairs<MembranePairs>(world, world.column<Triangles, TriangleId>(), host, parts);
 }
 
 void find_membrane_pairs(World& world) {

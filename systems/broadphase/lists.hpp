@@ -79,6 +79,7 @@ void find_sphere_pairs(World& world);
 void find_plane_pairs(World& world);
 void find_facet_pairs(World& world);
 void find_membrane_pairs(World& world);
+void find_triangle_pairs(World& world);
 
 } // namespace detail
 

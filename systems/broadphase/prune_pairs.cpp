@@ -2,6 +2,7 @@
 #include "components/membrane_surface.hpp"
 #include "components/near_spheres.hpp"
 #include "systems/broadphase/chunk_lists.hpp"
+#include "systems/broadphase/flat_parts.hpp"
 #include "systems/broadphase/force_targets.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/broadphase/skins.hpp"
@@ -111,24 +112,15 @@ void list_near_facets(World& world) {
     const detail::Poses<> poses(world);
     const auto sphere_row = world.column<Spheres, EnlargedSphere>();
     const auto shape = world.column<Facets, LocalFacet>();
-    std::vector<Eigen::AlignedBox3d> boxes(shape.size());
-    std::vector<Vec3> normal(shape.size());
-    for (std::size_t e = 0; e < shape.size(); ++e) {
-        const auto& c = shape[e].corners;
-        for (const Vec3& corner : c) boxes[e].extend(Eigen::Vector3d(corner));
-        normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
-    }
+    std::vector<detail::FlatPart> parts(shape.size());
+    for (std::size_t e = 0; e < shape.size(); ++e) parts[e] = detail::FlatPart(shape[e].corners);
     const auto skin = world.column<Bodies, InnerSkin>();
     const double beyond = detail::reach_beyond_skin(world);
-    // the distances to the facet's box and to its plane are both lower bounds
     const auto gap = [&](const PairRowNumbers& p) {
         const Pose host = poses[p.partner_body]; // in whose axes the facet is given
         const Vec3 x = host.orientation.conjugate() *
                        (detail::centre_of(sphere_row[p.sphere]) - host.position);
-        const double radius = sphere_row[p.sphere].radius,
-                     height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
-        if (height - radius >= skin[p.partner_body] + beyond) return height - radius;
-        return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) - radius;
+        return parts[p.other].gap(x, sphere_row[p.sphere].radius, skin[p.partner_body] + beyond);
     };
     list_near_boundary<FacetPairs>(world, gap, beyond);
 }
@@ -147,8 +139,16 @@ void list_near_membrane(World& world) {
             return skin; // most pairs; their exact distance would be costly
         return surface.nearest(sector, out, x.z()).distance - sphere_row[p.sphere].radius;
     });
-    std::ranges::copy(world.column<Elements, ElementRadius>(),
-                      world.column<Elements, PrunedRadius>().begin());
+}
+
+void list_near_triangles(World& world) {
+    const auto sphere_row = world.column<Spheres, EnlargedSphere>();
+    const auto skin = world.column<Bodies, InnerSkin>();
+    const std::vector<detail::FlatPart> parts = detail::flat_parts_of_sleeve(world);
+    list_near_boundary<MembranePairs>(world, [&](const PairRowNumbers& p) {
+        return parts[p.other].gap(detail::centre_of(sphere_row[p.sphere]),
+                                  sphere_row[p.sphere].radius, skin[p.partner_body]);
+    });
 }
 
 // single spheres are all listed, in the rows of their bodies, so contacts need no lookup
@@ -233,7 +233,9 @@ void prune_pairs(World& world) {
     list_near_spheres(world);
     if (world.has<PlanePairs>()) list_near_planes(world);
     if (world.has<FacetPairs>()) list_near_facets(world);
-    if (world.has<MembranePairs>()) list_near_membrane(world);
+    if (world.has<Elements>()) list_near_membrane(world);
+    if (world.has<Triangles>()) list_near_triangles(world);
+    detail::note_membrane_at_prune(world);
     detail::direct_forces(world);
     list_spheres(world);
     for_each_kind_of_pair([&]<class Pairs>() { use_slots<Pairs>(world); });

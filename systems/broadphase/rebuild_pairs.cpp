@@ -79,8 +79,8 @@ bool lists_are_due(const World& world) {
     const auto displacement = world.column<Bodies, DisplacementBound>();
     for (const Row b : world.resource<Census>().boundaries)
         if (!(displacement[b] <= skin[b])) return true;
-    return world.has<Elements>() && !(detail::displacement_of_membrane<PrunedRadius>(world) <=
-                                      skin[world.resource<Membrane>().body_row]);
+    return world.has_resource<Membrane>() && !(detail::membrane_moved_since_prune(world) <=
+                                               skin[world.resource<Membrane>().body_row]);
 }
 
 bool positions_are_due(const World& world) {
@@ -123,15 +123,14 @@ void rebuild_pairs(World& world) {
     if (sort) ++state.sorts;
     take_census(world);
     detail::note_poses<RebuiltAt, RebuiltOrientation>(world);
-    if (world.has<Elements>())
-        std::ranges::copy(world.column<Elements, ElementRadius>(),
-                          world.column<Elements, RebuiltRadius>().begin());
+    detail::note_membrane_at_rebuild(world);
     detail::choose_skins(world);
     detail::locate_spheres<OuterSkin>(world);
     detail::find_sphere_pairs(world);
     if (world.has<PlanePairs>()) detail::find_plane_pairs(world);
     if (world.has<FacetPairs>()) detail::find_facet_pairs(world);
-    if (world.has<MembranePairs>()) detail::find_membrane_pairs(world);
+    if (world.has<Elements>()) detail::find_membrane_pairs(world);
+    if (world.has<Triangles>()) detail::find_triangle_pairs(world);
     state.stale = false;
     state.last_rebuild = world.resource<Clock>().step;
     state.prunes_at_rebuild = state.prunes;

@@ -7,6 +7,7 @@
 #include "components/membrane.hpp"
 #include "components/pair.hpp"
 #include "components/slab.hpp"
+#include "components/sleeve.hpp"
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
 #include "engine/parallel.hpp"
@@ -49,6 +50,34 @@ double largest_of_rows(std::size_t rows, Value&& value) {
             most[chunk] = std::max(most[chunk], value(b));
     });
     return most.empty() ? 0 : *std::ranges::max_element(most);
+}
+
+template <class Since, class NodeSince>
+double membrane_moved(const World& world) {
+    double largest = 0;
+    if (world.has<Elements>()) {
+        const auto radius = world.column<Elements, ElementRadius>();
+        const auto since = world.column<Elements, Since>();
+        for (std::size_t e = 0; e < radius.size(); ++e)
+            largest = std::max(largest, std::abs(radius[e] - since[e]));
+    }
+    if (world.has<Nodes>()) {
+        const auto position = world.column<Nodes, NodePosition>();
+        const auto since = world.column<Nodes, NodeSince>();
+        for (std::size_t n = 0; n < position.size(); ++n)
+            largest = std::max(largest, (position[n] - since[n]).norm());
+    }
+    return largest;
+}
+
+template <class Since, class NodeSince>
+void note_membrane(World& world) {
+    if (world.has<Elements>())
+        std::ranges::copy(world.column<Elements, ElementRadius>(),
+                          world.column<Elements, Since>().begin());
+    if (world.has<Nodes>())
+        std::ranges::copy(world.column<Nodes, NodePosition>(),
+                          world.column<Nodes, NodeSince>().begin());
 }
 
 /// Sums over all ranks where a world is divided: all ranks choose the same skins.
@@ -164,8 +193,8 @@ void measure_speeds(World& world) {
         speed[b] = now < 1e300 ? std::max(now, 0.5 * speed[b]) : 0; // the guard stops the run
     };
     for_rows(bodies.size(), [&](Row b) { measure(b, displacement[b]); });
-    if (world.has<Elements>())
-        measure(world.resource<Membrane>().body_row, displacement_of_membrane<PrunedRadius>(world));
+    if (world.has_resource<Membrane>())
+        measure(world.resource<Membrane>().body_row, membrane_moved_since_prune(world));
 }
 
 /// Least skin (m) of a body: half the gap within which two bodies must be listed although they are
@@ -218,9 +247,9 @@ class SinceRebuild {
 public:
     explicit SinceRebuild(const World& world)
         : now_(world), from_(world), radius_(world.column<Bodies, BoundingRadius>()) {
-        if (!world.has<Elements>()) return;
+        if (!world.has_resource<Membrane>()) return;
         membrane_ = world.resource<Membrane>().body_row;
-        of_membrane_ = displacement_of_membrane<RebuiltRadius>(world);
+        of_membrane_ = membrane_moved_since_rebuild(world);
     }
     double operator[](Row b) const {
         if (b == membrane_) return of_membrane_;
@@ -238,18 +267,14 @@ private:
 
 } // namespace
 
-template <class Since>
-double displacement_of_membrane(const World& world) {
-    if (!world.has<Elements>()) return 0;
-    const auto radius = world.column<Elements, ElementRadius>();
-    const auto since = world.column<Elements, Since>();
-    double largest = 0;
-    for (std::size_t e = 0; e < radius.size(); ++e)
-        largest = std::max(largest, std::abs(radius[e] - since[e]));
-    return largest;
+double membrane_moved_since_prune(const World& world) {
+    return membrane_moved<PrunedRadius, PrunedNode>(world);
 }
-template double displacement_of_membrane<PrunedRadius>(const World&);
-template double displacement_of_membrane<RebuiltRadius>(const World&);
+double membrane_moved_since_rebuild(const World& world) {
+    return membrane_moved<RebuiltRadius, RebuiltNode>(world);
+}
+void note_membrane_at_prune(World& world) { note_membrane<PrunedRadius, PrunedNode>(world); }
+void note_membrane_at_rebuild(World& world) { note_membrane<RebuiltRadius, RebuiltNode>(world); }
 
 double reach_beyond_skin(const World& world) {
     const LawTraits& law = traits(world.resource<ContactLaw>().law);

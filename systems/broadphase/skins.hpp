@@ -28,9 +28,12 @@ void choose_skins(World& world);
 /// only if it has touched, and was on the lists then.
 double reach_beyond_skin(const World& world);
 
-/// Largest distance (m) that an element of the membrane has moved since the last prune or since the
-/// last rebuild; 0 where there is none.
-template <class Since>
-double displacement_of_membrane(const World& world);
+/// Largest distance (m) that an element of a rigid membrane, or a node of a sleeve, has moved since
+/// the last prune, and since the last rebuild; 0 where there is none.
+double membrane_moved_since_prune(const World& world);
+double membrane_moved_since_rebuild(const World& world);
+/// Notes where they are at a prune and at a rebuild.
+void note_membrane_at_prune(World& world);
+void note_membrane_at_rebuild(World& world);
 
 } // namespace bris::detail

@@ -50,7 +50,7 @@ void find_runs(World& world) {
     });
     find_hosts<Planes>(world, row_of);
     find_hosts<Facets>(world, row_of);
-    if (world.has<Elements>())
+    if (world.has_resource<Membrane>())
         world.resource<Membrane>().body_row = row_of[world.resource<Membrane>().body];
 }
 

@@ -24,7 +24,10 @@ System collide_facets(LawName law, const StepChoices& choices);
 /// The same for spheres against planes.
 System collide_planes(LawName law, const StepChoices& choices);
 
-/// The same for spheres against a membrane, which has no friction under any law.
+/// The same for spheres against a rigid membrane, which has no friction under any law.
 System collide_membrane(LawName law, const StepChoices& choices);
+
+/// The same for spheres against the triangles of a sleeve.
+System collide_sleeve(LawName law, const StepChoices& choices);
 
 } // namespace bris

@@ -5,6 +5,7 @@
 #include "components/kinds.hpp"
 #include "components/membrane_surface.hpp"
 #include "components/settings.hpp"
+#include "components/sleeve.hpp"
 #include "components/sphere.hpp"
 #include "engine/io/vtkhdf_file.hpp"
 #include "engine/ordering.hpp"
@@ -79,6 +80,15 @@ void add_membrane_corners(const World& world, std::vector<Vec3>& corners) {
         }
 }
 
+// a triangle repeats its last corner
+void add_sleeve_corners(const World& world, std::vector<Vec3>& corners) {
+    if (!world.has<Triangles>()) return;
+    const auto position = world.column<Nodes, NodePosition>();
+    for (const TriangleNodes& t : world.column<Triangles, Corners>())
+        for (const std::size_t k : std::array<std::size_t, 4>{0, 1, 2, 2})
+            corners.push_back(position[t.node[k]]);
+}
+
 } // namespace
 
 BodyFrame frame_of_bodies(const World& world) {
@@ -110,6 +120,7 @@ BodyFrame frame_of_bodies(const World& world) {
     }
     add_facet_corners(world, rows, frame.corners);
     add_membrane_corners(world, frame.corners);
+    add_sleeve_corners(world, frame.corners);
     return frame;
 }
 

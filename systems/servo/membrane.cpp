@@ -116,7 +116,7 @@ void accumulate_membrane_work(Rows<Bodies, BoundaryWork> bodies,
 void servo_membrane(
     Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold>
         elements,
-    Rows<Planes, const PlanePosition> planes, Membrane& membrane, const Platen& platen,
+    Rows<Planes, const PlanePosition> planes, Membrane& membrane, Platen& platen,
     const Clock& clock, Health& health) {
     double* radius = elements.column<ElementRadius>();
     double* speed = elements.column<ElementSpeed>();
@@ -160,6 +160,9 @@ void servo_membrane(
                 std::to_string(membrane.target_pressure) + " Pa, found none";
         }
     }
+    platen.area = 0;
+    for (std::size_t ring = 0; ring < membrane.rings; ++ring)
+        platen.area += ring_area(membrane, radius, ring) / membrane.rings;
 }
 
 } // namespace bris

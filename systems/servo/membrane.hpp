@@ -32,13 +32,14 @@ void accumulate_membrane_work(Rows<Bodies, BoundaryWork> bodies,
 
 /// Moves the groups of a membrane (rings or elements) by their force balance (ServoMotion): the
 /// force of the grains against the set point of the pressure (PressureAim) on the area dV/dr of the
-/// current surface below the platen. A group that the platen has passed follows the ring below it.
-/// An element that its neighbours hide has no area for the pressure to act on, and an element that
-/// reaches the axis has met no grains: either is recorded in Health and stops the run.
+/// current surface below the platen, and notes the mean area inside the rings. A group that the
+/// platen has passed follows the ring below it. An element that its neighbours hide has no area for
+/// the pressure to act on, and an element that reaches the axis has met no grains: either is
+/// recorded in Health and stops the run.
 void servo_membrane(
     Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold>
         elements,
-    Rows<Planes, const PlanePosition> planes, Membrane& membrane, const Platen& platen,
+    Rows<Planes, const PlanePosition> planes, Membrane& membrane, Platen& platen,
     const Clock& clock, Health& health);
 
 /// Response of a boundary to a force: that of a body with local damping and with the mass that the

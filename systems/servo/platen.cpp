@@ -18,13 +18,11 @@ void count_platen_contacts(Rows<NearPlanes, const NearPair> near,
 void servo_platen(
     Rows<Planes, const HostRow> planes,
     Rows<Bodies, const Force, const PrunedAt, Position, Velocity, DisplacementBound> bodies,
-    Rows<Elements, const ElementRadius> elements, Platen& platen, const Membrane& membrane,
-    const Clock& clock, Health& health) {
+    Platen& platen, const Clock& clock, Health& health) {
     const Row host = planes.column<HostRow>()[platen.plane];
-    double area = 0;
-    for (std::size_t ring = 0; ring < membrane.rings; ++ring)
-        area += ring_area(membrane, elements.column<ElementRadius>(), ring) / membrane.rings;
-    const double push = bodies.column<Force>()[host].z(); // the grains push the platen up
+    const double area = platen.area;
+    // the grains push the platen up
+    const double push = bodies.column<Force>()[host].z() - platen.pull;
     platen.pressure = push / area;
     if (platen.controlled) {
         const double aim = platen.aim.next(platen.target_pressure);

@@ -94,12 +94,23 @@ void share_motion(Rows<Bodies, const RecorderOf, const SpheresOf, const Ghost> b
         std::memcpy(static_cast<void*>(&motions.of[k]), &sum[k], sizeof(Bits));
 }
 
-void share_membrane_forces(const Slab&, MembraneSums& sums) {
+namespace {
+
+template <std::size_t Count>
+void add_rows_over_ranks(std::vector<std::array<WideInteger, Count>>& rows) {
     std::vector<WideInteger> total;
-    for (const auto& of_element : sums.of)
-        total.insert(total.end(), of_element.begin(), of_element.end());
+    for (const auto& row : rows) total.insert(total.end(), row.begin(), row.end());
     add_over_ranks(total);
-    for (std::size_t e = 0; e < sums.of.size(); ++e) sums.of[e] = {total[2 * e], total[2 * e + 1]};
+    const WideInteger* next = total.data();
+    for (auto& row : rows) {
+        std::copy_n(next, Count, row.begin());
+        next += Count;
+    }
 }
+
+} // namespace
+
+void share_membrane_forces(const Slab&, MembraneSums& sums) { add_rows_over_ranks(sums.of); }
+void share_sleeve_forces(const Slab&, SleeveSums& sums) { add_rows_over_ranks(sums.of); }
 
 } // namespace bris

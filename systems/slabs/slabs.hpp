@@ -11,6 +11,7 @@
 #include "components/settings.hpp"
 #include "components/slab.hpp"
 #include "components/sleep.hpp"
+#include "components/sleeve.hpp"
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
 #include "engine/health.hpp"
@@ -69,6 +70,8 @@ void share_platen_contacts(const Slab& slab, Platen& platen);
 
 /// Adds the forces on the elements of a membrane over all ranks.
 void share_membrane_forces(const Slab& slab, MembraneSums& sums);
+/// Adds the forces on the nodes of a sleeve over all ranks.
+void share_sleeve_forces(const Slab& slab, SleeveSums& sums);
 
 /// Gives all ranks the motion that was noted of the bodies with inertial recorders, so that all
 /// ranks have the same recordings.
