@@ -133,7 +133,7 @@ struct Sleeve {
     double energy = 0;     ///< J, elastic
     double unbalanced = 0; ///< mean force on a free node over the mean force of the pressure
     static auto fields(auto& self) {
-        return std::tie(self.thickness, self.young_modulus, self.density, self.wrinkles,
+        return std::tie(self.columns, self.thickness, self.young_modulus, self.density, self.wrinkles,
                         self.largest_stretch, self.radius, self.pressure_work, self.clamp_work,
                         self.damping_work);
     }

@@ -4,6 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/material.hpp"
 #include "components/membrane.hpp"
+#include "components/sleeve.hpp"
 #include "engine/errors.hpp"
 #include "engine/state.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -53,6 +54,13 @@ World world_of_state(const Archive& state) {
         elements.add<ElementId>();
         elements.add<ElementRadius>();
         world.add_resource(membrane_of(state));
+    }
+    if (state.find("nodes/id") != nullptr) {
+        Table& nodes = world.table<Nodes>();
+        nodes.add<NodeId>();
+        nodes.add<NodePosition>();
+        world.add_resource<Membrane>();
+        world.add_resource<Sleeve>();
     }
     add_saved_fields(world, state);
     load_state(world, state);

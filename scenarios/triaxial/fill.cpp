@@ -66,6 +66,7 @@ void place_rocks(World& world, double lid, double scale) {
 void TriaxialTest::start_filling() {
     World& world = simulation_.world();
     const auto& specimen = world.resource<Specimen>();
+    require(!world.has<Nodes>(), "specimen: expected the rings of a mould, found a sleeve");
     set_friction(world, 0);
     world.resource<Gravity>().value.setZero();
     world.resource<LocalDamping>().fraction = settings_.damping;

@@ -4,6 +4,7 @@
 #include "components/boundary.hpp"
 #include "components/kinds.hpp"
 #include "components/membrane.hpp"
+#include "components/sleeve.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 
@@ -35,7 +36,11 @@ Container::Container(const World& world, const Box3& bounds, std::vector<Box3> b
         else
             planes_.push_back(p);
     }
-    if (!world.has<Elements>()) return;
+    if (world.has<Elements>()) take_rings(world);
+    if (world.has<Nodes>()) take_sleeve(world);
+}
+
+void Container::take_rings(const World& world) {
     const auto& membrane = world.resource<Membrane>();
     tube_.outward = membrane.outward;
     tube_.ring_height = membrane.ring_height;
@@ -43,6 +48,25 @@ Container::Container(const World& world, const Box3& bounds, std::vector<Box3> b
     const auto radius = world.column<Elements, ElementRadius>();
     tube_.radius.resize(radius.size());
     for (std::size_t k = 0; k < id.size(); ++k) tube_.radius[id[k]] = radius[k];
+}
+
+void Container::take_sleeve(const World& world) {
+    const std::size_t columns = world.resource<Sleeve>().columns;
+    const auto node = world.column<Nodes, NodePosition>();
+    const std::size_t fields = node.size() / columns - 1; // one above another
+    tube_.ring_height = node.back().z() / static_cast<double>(fields);
+    for (std::size_t c = 0; c < columns; ++c) {
+        const Vec3 chord = node[(c + 1) % columns] - node[c]; // of the clamped level
+        tube_.outward.push_back(Vec3(chord.y(), -chord.x(), 0).normalized());
+    }
+    for (std::size_t k = 0; k < fields; ++k)
+        for (std::size_t c = 0; c < columns; ++c) {
+            const std::size_t next = (c + 1) % columns, low = k * columns, high = low + columns;
+            tube_.radius.push_back(
+                tube_.outward[c].dot(node[low + c] + node[low + next] + node[high + c] +
+                                     node[high + next]) /
+                4);
+        }
 }
 
 Box3 Container::bounds() const {

@@ -37,12 +37,16 @@ private:
         Vec3 point, normal;
         friend bool operator==(const Plane&, const Plane&) = default;
     };
-    struct Tube {                   ///< the inner surface of a membrane
+    /// The inner surface of a membrane. That of a sleeve is taken as plane strips about the middles
+    /// of its fields between nodes.
+    struct Tube {
         std::vector<Vec3> outward;  ///< by sector
         std::vector<double> radius; ///< by element
         double ring_height = 0;
         friend bool operator==(const Tube&, const Tube&) = default;
     };
+    void take_rings(const World& world);
+    void take_sleeve(const World& world);
     void within_tube(double x, double y, Stretch all, std::vector<Stretch>& inside) const;
     void cut_blocked(double x, double y, std::vector<Stretch>& inside) const;
 

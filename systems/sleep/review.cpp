@@ -141,7 +141,7 @@ void add_sleep(World& world, const Sleep& settings) {
     require(settings.acceleration > 0 && settings.speed > 0 && settings.steps > 0,
             "sleep: expected an acceleration, a speed and a number of steps above 0");
     require(
-        !world.has<Facets>() && !world.has<Elements>(),
+        !world.has<Facets>() && !world.has_resource<Membrane>(),
         "sleep: expected planes as boundaries, found facets or a membrane, on which bodies cannot "
         "sleep");
     const auto motion = world.column<Bodies, MotionOf>();

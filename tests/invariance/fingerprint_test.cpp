@@ -39,7 +39,7 @@ World partly_driven_scene() {
 }
 
 /// A membrane under pressure around grains that move in a box inside it.
-World tube_scene(Grains grains) {
+World tube_scene(Grains grains, bool latex = false) {
     World world = bed({.grains = grains, .walls = Walls::planes, .bodies = 45, .seed = seed});
     const auto wall = add_material(world, {"membrane", 0, 4e5, 0, 0, 500, 0});
     // to the middle of the tube, together with the box
@@ -50,7 +50,8 @@ World tube_scene(Grains grains) {
               .radius = 0.045,
               .height = 0.1,
               .pressure = 2e3,
-              .contact_stiffness = 8e4},
+              .contact_stiffness = 8e4,
+              .latex = latex},
              wall);
     return world;
 }
@@ -126,6 +127,8 @@ const std::vector<Scene>& scenes() {
          }},
         {"spheres in a membrane", [] { return tube_scene(Grains::spheres); }},
         {"clumps in a membrane", [] { return tube_scene(Grains::clumps); }},
+        {"spheres in a sleeve", [] { return tube_scene(Grains::spheres, true); }},
+        {"clumps in a sleeve", [] { return tube_scene(Grains::clumps, true); }},
         {"a tie and a plate among clumps, with loads, springs and a sensor", tie_scene},
         {"ties under a rail among clumps", rail_scene},
         {"locally damped clumps in a box of facets",

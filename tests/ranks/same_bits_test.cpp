@@ -101,7 +101,7 @@ World tie_scene(std::uint64_t seed, unsigned plates = 1) {
 }
 
 /// Grains in a box inside a membrane whose servo holds a pressure.
-World tube_scene(Grains grains) {
+World tube_scene(Grains grains, bool latex = false) {
     World world = bed({.grains = grains, .walls = Walls::planes, .bodies = 45, .seed = 9});
     const auto wall = world.resource<Materials>().add({"membrane", 0, 4e5, 0, 0, 500, 0});
     // to the middle of the tube, together with the box
@@ -112,7 +112,8 @@ World tube_scene(Grains grains) {
               .radius = 0.045,
               .height = 0.1,
               .pressure = 2e3,
-              .contact_stiffness = 8e4},
+              .contact_stiffness = 8e4,
+              .latex = latex},
              wall);
     return world;
 }
@@ -272,13 +273,16 @@ TEST_SUITE("ranks") {
         CHECK(difference(whole, divided.snapshot()) == "");
     }
 
-    TEST_CASE("a membrane feels the contacts of all ranks") {
-        for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+    TEST_CASE("a membrane, rigid or of latex, feels the contacts of all ranks") {
+        for (const auto& [grains, latex] :
+             {std::pair{Grains::spheres, false}, std::pair{Grains::clumps, false},
+              std::pair{Grains::spheres, true}, std::pair{Grains::clumps, true}}) {
             CAPTURE(static_cast<int>(grains));
+            CAPTURE(latex);
             SmallSceneSettings settings = plain();
             settings.energy_budget = grains == Grains::clumps;
-            const Archive whole = undivided(tube_scene(grains), settings, 1500);
-            Simulation divided = begin(tube_scene(grains), settings);
+            const Archive whole = undivided(tube_scene(grains, latex), settings, 1500);
+            Simulation divided = begin(tube_scene(grains, latex), settings);
             divided.advance(700);
             divided.advance(800);
             CHECK(difference(whole, divided.snapshot()) == "");

@@ -1,9 +1,11 @@
 #include "scenarios/ensemble/checkpointed_run.hpp"
 #include "scenarios/ensemble/twin.hpp"
 #include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/specimens/saved_world.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/energy_budget.hpp"
+#include "systems/fields/container.hpp"
 #include "systems/steps.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/ensemble/small_specimen.hpp"
@@ -151,6 +153,45 @@ TEST_SUITE("triaxial/triaxial") {
         // the higher pressure, to about the same extent with either law.
         MESSAGE("stored energy ", hertz, " and ", linear);
         CHECK(hertz / linear == about(std::pow(8, -1.0 / 3)).epsilon(0.2));
+    }
+
+    TEST_CASE("a specimen prepared within rings is tested in a sleeve of latex, with the same "
+              "balances, and the same bits on two threads and from a checkpoint") {
+        const Archive specimen = prepared(small_scene());
+        SpecimenSettings latex;
+        latex.membrane = MembraneKind::latex;
+        const TriaxialScene scene = small_scene(latex);
+        TriaxialSettings settings = short_test();
+        settings.final_axial_strain = 1e-3;
+        Archive half_way;
+        const auto run = [&](unsigned threads, const Archive& from, bool resumes) {
+            Simulation simulation = make_simulation(scene, threads, false);
+            if (resumes)
+                simulation.restore(from);
+            else
+                restore_specimen(simulation, scene, from);
+            TriaxialTest test(simulation, settings);
+            while (test.advance())
+                if (!resumes && test.state().stage == 5) half_way = simulation.snapshot();
+            CHECK(test.state().curves.size() == 11);
+            return std::pair{test.state().curves, simulation.snapshot()};
+        };
+        const auto [curves, one] = run(1, specimen, false);
+        const auto bits = fingerprint(one);
+        CHECK(fingerprint(run(2, specimen, false).second) == bits);
+        CHECK(fingerprint(run(1, half_way, true).second) == bits);
+
+        const TriaxialProperties p = properties_of(curves, pressure);
+        MESSAGE("energy mismatch ", p.relative_energy_error, ", stress mismatch ",
+                p.worst_stress_mismatch);
+        CHECK(p.worst_stress_mismatch <= 0.01);
+        CHECK(p.relative_energy_error <= 0.01);
+        CHECK(p.peak_q > 0.1 * pressure);
+        for (const double radial : curves[quantity::radial_stress]) CHECK(radial == pressure);
+        // fields measure the space inside the sleeve, from the checkpoint alone
+        const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
+        const Box3 space = Container(world_of_state(one), {-far, far}).bounds();
+        CHECK(space.high.x() == about(scene.specimen.radius).epsilon(0.1));
     }
 
     TEST_CASE("the progress of a test names in each phase what is awaited, with its target") {
