@@ -133,9 +133,9 @@ struct Sleeve {
     double energy = 0;     ///< J, elastic
     double unbalanced = 0; ///< mean force on a free node over the mean force of the pressure
     static auto fields(auto& self) {
-        return std::tie(self.columns, self.thickness, self.young_modulus, self.density, self.wrinkles,
-                        self.largest_stretch, self.radius, self.pressure_work, self.clamp_work,
-                        self.damping_work);
+        return std::tie(self.columns, self.thickness, self.young_modulus, self.density,
+                        self.wrinkles, self.largest_stretch, self.radius, self.pressure_work,
+                        self.clamp_work, self.damping_work);
     }
     void save(Archive& archive) const { put_fields(archive, "sleeve", fields(*this)); }
     void load(const Archive& archive) { get_fields(archive, "sleeve", fields(*this)); }

@@ -23,19 +23,22 @@ constexpr std::array same_settings{"bodies",
                                    "platen_friction",
                                    "taps",
                                    "preparation_friction",
+                                   "membrane",
                                    "servo_per_element",
                                    "gravity"};
 /// The same for specimens with Hertz-Mindlin contacts. Others may be of a version that had no such
 /// settings.
 constexpr std::array same_settings_of_hertz{"young_modulus_Pa", "poisson_ratio"};
+constexpr std::array same_settings_of_latex{"latex_thickness_m", "latex_modulus_Pa",
+                                            "latex_wrinkles", "latex_edge"};
 constexpr std::array same_settings_of_edges{
     "friction_rise",  "friction_half_pressure_Pa", "friction_half_force_N", "couple_arm_m",
     "couple_force_N", "contact_strength_Pa",       "cone_half_angle_rad",   "edge_radius_m"};
 
 std::string text_of(std::span<const NamedValue> settings, const std::string& key) {
     const auto found = std::ranges::find(settings, key, &NamedValue::key);
-    if (found == settings.end()) // libraries from before there was another law are linear
-        return key == "law" ? "linear" : "none";
+    if (found == settings.end()) // libraries from before there was a choice
+        return key == "law" ? "linear" : key == "membrane" ? "rings" : "none";
     return found->text();
 }
 
@@ -70,6 +73,8 @@ std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& mo
         other = difference(library.settings, model.settings, same_settings_of_hertz);
     if (other.empty() && text_of(library.settings, "law").ends_with("edges"))
         other = difference(library.settings, model.settings, same_settings_of_edges);
+    if (other.empty() && text_of(library.settings, "membrane") == "latex")
+        other = difference(library.settings, model.settings, same_settings_of_latex);
     if (!other.empty()) return other;
     if (pressure_index(library, model.pressure) == library.pressures.size()) {
         std::string all;

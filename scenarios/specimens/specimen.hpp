@@ -23,6 +23,7 @@ struct LatexSettings {
     bool wrinkles = true;           ///< takes no compression
     double edge = 0.5;              ///< of its triangles, over the size of the sensor rocks
     double contact_stiffness = 2e6; ///< N/m, of one partner
+    friend bool operator==(const LatexSettings&, const LatexSettings&) = default;
 };
 
 /// Settings of a triaxial specimen. Its axis is z; the lower platen is at z = 0.

@@ -92,10 +92,7 @@ void require_same_specimen(const Common& common) {
 MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings& settings,
                            const Common& common, const ReportProgress& report,
                            const std::function<void(Simulation&, TriaxialTest&)>& begin) {
-    TriaxialScene scene = of_test;
-    scene.specimen.law =
-        LawName::linear; // rocks that grow overlap so deeply that Hertz contacts explode
-    scene.specimen.membrane = MembraneKind::rings; // the mould
+    const TriaxialScene scene = in_mould(of_test);
     Common of_specimen = common_of_specimen(common);
     if (begin) of_specimen.beds = "none"; // the settings do not say where it places the rocks
     Simulation simulation = make_simulation(scene, common.threads, common.serial);

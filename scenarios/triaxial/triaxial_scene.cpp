@@ -95,6 +95,10 @@ void check_test(const Triaxial& t) {
             fmt::format("--law: expected a law without coefficients of pairs, found {}",
                         traits(t.specimen.law).name));
     require_edges_are_read(t.specimen.edges, t.specimen.law);
+    const bool latex = t.specimen.membrane == MembraneKind::latex;
+    require(latex || t.specimen.latex == LatexSettings{},
+            "--latex-thickness, --latex-modulus, --latex-wrinkles, --latex-edge: expected "
+            "--membrane latex, found rings");
     require(t.test.move_steps % ramp_parts == 0,
             fmt::format("--move-steps: expected a multiple of {}, found {}", ramp_parts,
                         t.test.move_steps));
@@ -164,6 +168,12 @@ void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,
     require_memory(
         "bodies", t.bodies,
         bytes_of_rocks(t.bodies, spheres_each, at_once) + motion * stages_kept * t.bodies, limit);
+}
+
+TriaxialScene in_mould(TriaxialScene scene) {
+    scene.specimen.law = LawName::linear;
+    scene.specimen.membrane = MembraneKind::rings;
+    return scene;
 }
 
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {

@@ -181,6 +181,10 @@ TriaxialScene make_scene(const Triaxial& settings, std::uint64_t seed);
 void require_memory_for(const Triaxial& settings, unsigned worlds, std::uint64_t limit,
                         double stages_kept = 0);
 
+/// The scene while its specimen is made: with linear contacts, because rocks that grow overlap so
+/// deeply that Hertz contacts explode, and within rings, which are its mould.
+TriaxialScene in_mould(TriaxialScene scene);
+
 /// The simulation of a scene with its neighbour lists, energy budget and list of steps, before
 /// filling begins.
 Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool serial);

@@ -62,10 +62,9 @@ void Container::take_sleeve(const World& world) {
     for (std::size_t k = 0; k < fields; ++k)
         for (std::size_t c = 0; c < columns; ++c) {
             const std::size_t next = (c + 1) % columns, low = k * columns, high = low + columns;
-            tube_.radius.push_back(
-                tube_.outward[c].dot(node[low + c] + node[low + next] + node[high + c] +
-                                     node[high + next]) /
-                4);
+            tube_.radius.push_back(tube_.outward[c].dot(node[low + c] + node[low + next] +
+                                                        node[high + c] + node[high + next]) /
+                                   4);
         }
 }
 

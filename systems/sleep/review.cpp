@@ -1,3 +1,4 @@
+#include "components/membrane.hpp"
 #include "components/pair.hpp"
 #include "components/sensor.hpp"
 #include "components/settings.hpp"

@@ -2,6 +2,7 @@
 #include "scenarios/ensemble/twin.hpp"
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/specimens/saved_world.hpp"
+#include "scenarios/specimens/small_scene.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/energy_budget.hpp"
@@ -192,6 +193,16 @@ TEST_SUITE("triaxial/triaxial") {
         const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
         const Box3 space = Container(world_of_state(one), {-far, far}).bounds();
         CHECK(space.high.x() == about(scene.specimen.radius).epsilon(0.1));
+    }
+
+    TEST_CASE("settings of latex are refused where rings hold the specimen") {
+        Triaxial settings;
+        check_test(settings);
+        settings.specimen.latex.thickness = 7e-3;
+        CHECK(refusal_of([&] { check_test(settings); }).find("expected --membrane latex") !=
+              std::string::npos);
+        settings.specimen.membrane = MembraneKind::latex;
+        check_test(settings);
     }
 
     TEST_CASE("the progress of a test names in each phase what is awaited, with its target") {
