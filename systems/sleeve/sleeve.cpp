@@ -56,6 +56,56 @@ OnCorners forces_of(const Sleeve& sleeve, const TriangleLanes& at, const RestLan
 
 Vec3 lane_of(const Vec3Lanes& v, int k) { return {v.x[k], v.y[k], v.z[k]}; }
 
+/// The forces of the grains, to which others are added, and the stiffness of their contacts.
+void begin_with_grains(NodeForces nodes, const SleeveSums& sums, const ForceGrid& grid,
+                       double contact_stiffness) {
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        const auto& sum = sums.of[n];
+        Vec3& push = nodes.column<NodePush>()[n];
+        for (int axis = 0; axis < 3; ++axis)
+            push[axis] = grid.force * static_cast<double>(sum[static_cast<std::size_t>(axis)]);
+        nodes.column<NodeForce>()[n] = push;
+        nodes.column<NodePressure>()[n].setZero();
+        nodes.column<NodeHold>()[n] =
+            contact_stiffness * ElementSums::hold_unit * static_cast<double>(sum[3]);
+    }
+}
+
+/// Adds what latex and pressure exert on the nodes, triangle after triangle; notes volume and
+/// energy. Returns a stretch that the latex does not bear, or that is not a number; 0: none.
+double add_triangles(NodeForces nodes, SleeveTriangles triangles, Sleeve& sleeve) {
+    Vec3* force = nodes.column<NodeForce>();
+    Vec3* pressure = nodes.column<NodePressure>();
+    double* hold = nodes.column<NodeHold>();
+    const auto* rest = reinterpret_cast<const double*>(triangles.column<RestShape>());
+    const PlacedTriangle* at = triangles.column<TriangleAt>();
+    sleeve.volume = sleeve.energy = 0;
+    double torn = 0;
+    for_lane_rows(0, static_cast<Row>(triangles.size()), [&](LaneRows rows) {
+        const auto shape =
+            read_rows<3>(rest, rows, [](const double* r) { return load_triples(r); });
+        const auto within = [&](int q) {
+            return rows.first + static_cast<Row>(std::min(q, rows.count - 1));
+        };
+        const OnCorners on = forces_of(
+            sleeve, triangle_lanes([&](int q) -> const PlacedTriangle& { return at[within(q)]; }),
+            {shape[0], shape[1], shape[2]});
+        for (int q = 0; q < rows.count; ++q) {
+            const auto& node = triangles.column<Corners>()[within(q)].node;
+            const Vec3 of_pressure = lane_of(on.pressure, q);
+            for (std::size_t k = 0; k < 3; ++k) {
+                force[node[k]] += lane_of(on.latex.force[k], q) + of_pressure;
+                pressure[node[k]] += of_pressure;
+                hold[node[k]] += 0.5 * (on.latex.stiffness[k][q] + on.hold[q]);
+            }
+            sleeve.energy += on.latex.energy[q];
+            sleeve.volume += on.volume[q];
+            if (!(on.latex.stretch[q] <= sleeve.largest_stretch)) torn = on.latex.stretch[q];
+        }
+    });
+    return torn;
+}
+
 } // namespace
 
 void sum_sleeve(Rows<NearMembrane, const NearPair, const TreadOf> near,
@@ -79,57 +129,19 @@ void sum_sleeve(Rows<NearMembrane, const NearPair, const TreadOf> near,
     });
 }
 
-void pull_sleeve(Rows<Nodes, NodePush, NodeForce, NodePressure, NodeHold> nodes,
-                 Rows<Triangles, const Corners, const RestShape, const TriangleAt> triangles,
+void pull_sleeve(NodeForces nodes, SleeveTriangles triangles,
                  Rows<Planes, const PlanePosition> planes, const SleeveSums& sums,
                  const ForceGrid& grid, Membrane& membrane, Sleeve& sleeve, Platen& platen,
                  Health& health) {
-    Vec3* push = nodes.column<NodePush>();
-    Vec3* force = nodes.column<NodeForce>();
-    Vec3* pressure = nodes.column<NodePressure>();
-    double* hold = nodes.column<NodeHold>();
     sleeve.pressure = membrane.aim.next(membrane.target_pressure);
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-        const auto& sum = sums.of[n];
-        for (int axis = 0; axis < 3; ++axis)
-            push[n][axis] = grid.force * static_cast<double>(sum[static_cast<std::size_t>(axis)]);
-        force[n] = push[n];
-        pressure[n].setZero();
-        hold[n] = membrane.contact_stiffness * ElementSums::hold_unit * static_cast<double>(sum[3]);
-    }
-    sleeve.volume = sleeve.energy = 0;
-    double largest_stretch = 0;
-    const auto* rest = reinterpret_cast<const double*>(triangles.column<RestShape>());
-    const PlacedTriangle* at = triangles.column<TriangleAt>();
-    for_lane_rows(0, static_cast<Row>(triangles.size()), [&](LaneRows rows) {
-        const auto shape =
-            read_rows<3>(rest, rows, [](const double* r) { return load_triples(r); });
-        const auto within = [&](int q) {
-            return rows.first + static_cast<Row>(std::min(q, rows.count - 1));
-        };
-        const OnCorners on = forces_of(
-            sleeve, triangle_lanes([&](int q) -> const PlacedTriangle& { return at[within(q)]; }),
-            {shape[0], shape[1], shape[2]});
-        for (int q = 0; q < rows.count; ++q) {
-            const auto& node = triangles.column<Corners>()[within(q)].node;
-            const Vec3 of_pressure = lane_of(on.pressure, q);
-            for (std::size_t k = 0; k < 3; ++k) {
-                force[node[k]] += lane_of(on.latex.force[k], q) + of_pressure;
-                pressure[node[k]] += of_pressure;
-                hold[node[k]] += 0.5 * (on.latex.stiffness[k][q] + on.hold[q]);
-            }
-            sleeve.energy += on.latex.energy[q];
-            sleeve.volume += on.volume[q];
-            // also if it is not a number
-            if (!(on.latex.stretch[q] <= largest_stretch)) largest_stretch = on.latex.stretch[q];
-        }
-    });
-    if (!(largest_stretch <= sleeve.largest_stretch) && !health.bad) {
+    begin_with_grains(nodes, sums, grid, membrane.contact_stiffness);
+    if (const double torn = add_triangles(nodes, triangles, sleeve); torn != 0 && !health.bad) {
         health.bad = true;
         health.what = fmt::format("sleeve: expected triangles that are stretched up to {:g} times, "
                                   "found {:g}: the latex tears; try a larger thickness",
-                                  sleeve.largest_stretch, largest_stretch);
+                                  sleeve.largest_stretch, torn);
     }
+    const Vec3* force = nodes.column<NodeForce>();
     const Clamps clamps(sleeve, nodes.size());
     double off = 0, pressed = 0;
     platen.pull = 0;
@@ -137,7 +149,7 @@ void pull_sleeve(Rows<Nodes, NodePush, NodeForce, NodePressure, NodeHold> nodes,
         if (clamps.of(n) == Clamp::top) platen.pull -= force[n].z();
         if (clamps.of(n) != Clamp::none) continue;
         off += force[n].norm();
-        pressed += pressure[n].norm();
+        pressed += nodes.column<NodePressure>()[n].norm();
     }
     sleeve.unbalanced = off / pressed;
     platen.area = sleeve.volume / planes.column<PlanePosition>()[platen.plane].point.z();

@@ -22,12 +22,14 @@ void sum_sleeve(Rows<NearMembrane, const NearPair, const TreadOf> near,
                 Rows<Nodes, const NodeId> nodes, const ForceGrid& grid, const Overload& overload,
                 SleeveSums& sums);
 
+using NodeForces = Rows<Nodes, NodePush, NodeForce, NodePressure, NodeHold>;
+using SleeveTriangles = Rows<Triangles, const Corners, const RestShape, const TriangleAt>;
+
 /// Forces on the nodes: of the grains, of the latex (`stretch`), and of the pressure on every
 /// triangle along its normal, a third on each corner. Notes the volume and the elastic energy, and
 /// what the sleeve does to the platen. A triangle that is stretched more than latex bears is
 /// recorded in Health and stops the run.
-void pull_sleeve(Rows<Nodes, NodePush, NodeForce, NodePressure, NodeHold> nodes,
-                 Rows<Triangles, const Corners, const RestShape, const TriangleAt> triangles,
+void pull_sleeve(NodeForces nodes, SleeveTriangles triangles,
                  Rows<Planes, const PlanePosition> planes, const SleeveSums& sums,
                  const ForceGrid& grid, Membrane& membrane, Sleeve& sleeve, Platen& platen,
                  Health& health);
