@@ -4,6 +4,7 @@
 #include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
 #include "systems/contact/scalar_tile.hpp"
+#include "systems/contact/smooth_contacts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -182,16 +183,8 @@ void collide(Rows<NearMembrane, const NearPair, const PartnerSum, PairForce, Foo
 } // namespace
 
 System collide_membrane(LawName law, const StepChoices& choices) {
-    constexpr auto name = "collide_membrane";
-    // only the normal spring and its dashpot act, and no force beyond touch
-    return with_law(law, [&]<class L>() {
-        using Smooth = Law<typename L::Normal, typename L::DampingPart, Frictionless>;
-        if constexpr (Smooth::has_dashpots)
-            return choices.energy_budget
-                       ? system(name, collide<Smooth, FrictionWork, ViscousWork, RollingWork>)
-                       : system(name, collide<Smooth>);
-        else
-            return system(name, collide<Smooth>);
+    return system_of_smooth_law(law, choices, []<class Smooth, class... Work>() {
+        return system("collide_membrane", collide<Smooth, Work...>);
     });
 }
 

@@ -5,6 +5,7 @@
 #include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
 #include "systems/contact/scalar_tile.hpp"
+#include "systems/contact/smooth_contacts.hpp"
 
 namespace bris {
 
@@ -118,16 +119,8 @@ void collide(Rows<NearMembrane, const NearPair, const PartnerSum, PairForce, Tre
 } // namespace
 
 System collide_sleeve(LawName law, const StepChoices& choices) {
-    constexpr auto name = "collide_sleeve";
-    // as against rigid elements: only the normal spring and its dashpot act
-    return with_law(law, [&]<class L>() {
-        using Smooth = Law<typename L::Normal, typename L::DampingPart, Frictionless>;
-        if constexpr (Smooth::has_dashpots)
-            return choices.energy_budget
-                       ? system(name, collide<Smooth, FrictionWork, ViscousWork, RollingWork>)
-                       : system(name, collide<Smooth>);
-        else
-            return system(name, collide<Smooth>);
+    return system_of_smooth_law(law, choices, []<class Smooth, class... Work>() {
+        return system("collide_sleeve", collide<Smooth, Work...>);
     });
 }
 
