@@ -136,9 +136,6 @@ void check(const Monitor& m, const Common& common) {
         fmt::format("--resume: expected a folder of results with {}, the log of a stream; files "
                     "are read from their beginning; found '{}'",
                     log_name, common.resume.string()));
-    require(s.band_high > s.band_low,
-            fmt::format("--band-low, --band-high: expected a band, found {:g} to {:g} Hz",
-                        s.band_low, s.band_high));
     require(is_fast_length(s.segment),
             fmt::format("--segment: expected a number without other prime factors than 2, 3 and 5, "
                         "such as {}, found {}",
@@ -153,15 +150,6 @@ void check(const Monitor& m, const Common& common) {
                         given ? "none" : "it alone"));
     if (!m.stream.empty() && m.stream != "-" && !std::filesystem::exists(m.stream))
         throw OutputError(fmt::format("--stream: cannot read '{}'", m.stream.string()));
-}
-
-/// A spectrum ends at half of the sampling rate.
-void check_band(const std::vector<SensorBaseline>& baselines, const MonitorSettings& s) {
-    for (const SensorBaseline& b : baselines)
-        require(b.rate == 0 || s.band_low < 0.5 * b.rate, // 0: it is no baseline
-                fmt::format("--band-low: expected less than half of the sampling rate of sensor "
-                            "{}, {:g} Hz, found {:g} Hz",
-                            b.id, b.rate, s.band_low));
 }
 
 /// Lines that tell once when those of earlier sessions have been given again.
@@ -185,7 +173,7 @@ private:
 
 /// Only what was judged as the baseline is an all-clear.
 AlarmState alarm_state(Verdict verdict) {
-    return verdict == Verdict::changed       ? AlarmState::active
+    return is_change(verdict)                ? AlarmState::active
            : verdict == Verdict::as_baseline ? AlarmState::clear
                                              : AlarmState::unknown;
 }
@@ -212,7 +200,6 @@ public:
         }
         baseline_ = baseline.string();
         baselines_ = read_baselines(baseline, m_.columns, "--baseline", settings_);
-        check_band(baselines_, settings_);
         if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
         log_.emplace(common_.out);
         if (m_.broker.client.address.empty() ? m_.stream.empty() : !m_.recordings.empty())
@@ -241,9 +228,10 @@ private:
             news_[s.id] = News{
                 PublishedAlarm{alarm_state(s.verdict), text_of(s.verdict), s.reason, recorded_},
                 {{"recorded_time_s", recorded_},
-                 {"outlier_share", s.outlier_share},
-                 {"rms_ratio", s.level_ratio},
-                 {"power_ratio", s.power_ratio}}};
+                 {"rms_ratio", s.level_ratio()},
+                 {"rms_ratio_seen_below", s.seen_below()},
+                 {"rms_ratio_seen_above", s.seen_above()},
+                 {"outlier_share", s.outlier_shares.front()}}};
         }
         if (!is_repeating_) publish_news();
     }
@@ -295,10 +283,15 @@ private:
 
     void add(PassageResult result, const std::vector<std::uint64_t>& replaces = {}) {
         publish(result);
-        const OverallVerdict v = overall_verdict({result});
-        report_news(common_, fmt::format("{}{}: {}: {}", result.name,
-                                         result.is_final ? "" : " (provisional)",
-                                         text_of(v.verdict), v.reason));
+        const std::vector<PassageResult> alone{result};
+        const MostSerious worst = most_serious_result(alone);
+        report_news(common_,
+                    fmt::format("{}{}: {}{}", result.name, result.is_final ? "" : " (provisional)",
+                                text_of(verdict_on(result)),
+                                worst.sensor == nullptr
+                                    ? ""
+                                    : fmt::format(": sensor {}: {}", worst.sensor->id,
+                                                  worst.sensor->reason)));
         log_->add(std::move(result), replaces);
         if (broker_)
             broker_->report_doing(

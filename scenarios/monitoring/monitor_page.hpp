@@ -4,7 +4,7 @@
 #include "engine/io/plot.hpp"
 #include "engine/report.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
-#include "scenarios/monitoring/sensor_verdict.hpp"
+#include "scenarios/monitoring/site_verdict.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -22,6 +22,7 @@ struct MonitorReport {
     const PassageTally& tally;                  ///< of all passages
     std::string stream = {};                    ///< report on the stream; empty: a folder was read
     std::optional<StreamCounts> records = {};   ///< of the stream
+    std::string notes = {};                     ///< how files of loggers were read
 };
 
 /// The overall verdict, at most as good as what was judged: not an all-clear if more than
@@ -38,9 +39,10 @@ Plot chart_plot(const SensorResult& result, double width);
 
 /// Writes one self-contained page, monitor.html. Throws OutputError.
 void write_page(const std::filesystem::path& folder, const MonitorReport& report);
-/// Draws spectra.png and charts.png, a panel for the most serious result of each sensor.
+/// Draws spectra.png and charts.png, a panel for the most serious result of each sensor, and
+/// history.png, their levels.
 void draw_pictures(const std::filesystem::path& folder, const MonitorReport& report);
-/// Adds the verdicts and numbers: overall, and sensor_ID_... of the most serious result of each.
+/// Adds the verdicts and numbers: overall, and sensor_ID_... of each.
 void add_results(Report& summary, const MonitorReport& report);
 
 } // namespace bris

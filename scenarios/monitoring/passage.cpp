@@ -72,8 +72,9 @@ void for_each_passage(const fs::path& folder, const fs::path& columns, const std
     const CsvForm form = map.empty() ? CsvForm{} : naming("--columns", [&] {
         return read_column_map(map, recording_columns());
     });
-    for (const fs::path& of : folders_with_recordings(folder, option))
-        take(naming(option, [&]() -> Passage {
+    const auto causes = naming(option, [&] { return read_causes(folder / "passages.csv"); });
+    for (const fs::path& of : folders_with_recordings(folder, option)) {
+        Passage passage = naming(option, [&]() -> Passage {
             const fs::path hdf5 = of / "recordings.h5";
             if (fs::is_regular_file(hdf5))
                 return {name_of(of, folder),
@@ -82,7 +83,11 @@ void for_each_passage(const fs::path& folder, const fs::path& columns, const std
             require(!infos.empty(),
                     fmt::format("expected files rock_NN.txt in '{}', found none", folder.string()));
             return {name_of(of, folder), read_recordings(of / "recordings.csv", infos, form)};
-        }));
+        });
+        if (const auto found = causes.find(passage.name); found != causes.end())
+            passage.cause = found->second;
+        take(std::move(passage));
+    }
 }
 
 std::vector<Passage> read_passages(const fs::path& folder, const fs::path& columns,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "scenarios/monitoring/passage_cause.hpp"
 #include "scenarios/sensors/recording.hpp"
 
 #include <filesystem>
@@ -17,6 +18,7 @@ struct Passage {
     /// Share of its time that a sensor recorded, whether it vibrated or not; empty: not known, as
     /// of files.
     std::map<unsigned, double> recorded = {};
+    PassageCause cause = {}; ///< by passages.csv beside the recordings
 };
 /// From this share on a sensor has recorded a passage.
 inline constexpr double all_recorded = 0.9;

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "scenarios/monitoring/features.hpp"
 
 #include <fmt/format.h>
 
@@ -13,9 +14,10 @@
 namespace bris {
 
 PassageLog::PassageLog(const std::filesystem::path& folder) : path_(folder / "history.csv") {
-    write_whole(
-        path_,
-        "passage,revision,state,sensor,verdict,outlier_share,rms_ratio,power_ratio,reason\n");
+    std::string head = "passage,revision,state,sensor,verdict,rms_ratio,seen_below,seen_above";
+    for (const Feature& feature : all_features()) head += fmt::format(",{}", feature.name);
+    for (const auto reading : readings) head += fmt::format(",outside_{}", reading);
+    write_whole(path_, head + ",reason\n");
     file_.reset(std::fopen(path_.c_str(), "a"));
     if (!file_) throw OutputError(fmt::format("cannot write '{}'", path_.string()));
 }
@@ -26,10 +28,15 @@ void PassageLog::write(const PassageResult& passage) {
     for (const SensorResult& s : passage.sensors) {
         std::string reason = s.reason;
         std::ranges::replace(reason, '"', '\'');
-        text +=
-            fmt::format("\"{}\",{},{},{},{},{},{},{},\"{}\"\n", passage.name, passage.revision,
-                        passage.is_final ? "final" : "provisional", s.id, text_of(s.verdict),
-                        cell(s.outlier_share), cell(s.level_ratio), cell(s.power_ratio), reason);
+        text += fmt::format("\"{}\",{},{},{},\"{}\",{},{},{}", passage.name, passage.revision,
+                            passage.is_final ? "final" : "provisional", s.id, text_of(s.verdict),
+                            cell(s.level_ratio()), cell(s.seen_below()), cell(s.seen_above()));
+        for (std::size_t f = 0; f < all_features().size(); ++f) // standard deviations
+            text += "," + (s.features.empty()
+                               ? ""
+                               : cell(s.features[f].difference / s.features[f].deviation));
+        for (const double share : s.outlier_shares) text += "," + cell(share);
+        text += fmt::format(",\"{}\"\n", reason);
     }
     const bool written = std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size();
     if (std::fflush(file_.get()) != 0 || !written)

@@ -10,9 +10,10 @@
 
 namespace bris {
 
-/// Results of passages, one after the other: a line of history.csv for each sensor and revision,
-/// and in memory, which stays bounded, the last passages and those with the most serious result of
-/// a sensor. A later revision replaces the one before.
+/// Results of passages, one after the other: a line of history.csv for each sensor and revision
+/// (verdict, ratios, features in standard deviations, the report's charts), and in memory, which
+/// stays bounded, the last passages and those with the most serious result of a sensor. A later
+/// revision replaces the one before.
 class PassageLog {
 public:
     static constexpr std::size_t most_last = 200; ///< passages that are kept in any case

@@ -39,9 +39,12 @@ inline constexpr auto published_numbers = std::to_array<PublishedNumber>({
     {NumbersOf::timing, "latency_s", "s",
      "lag: from the arrival of the machine's record to the answer of the model"},
     {NumbersOf::sensor, "recorded_time_s", "s", "recorded time up to the end of the passage"},
-    {NumbersOf::sensor, "outlier_share", "1", "points outside the limits of the control charts"},
     {NumbersOf::sensor, "rms_ratio", "1", "root mean square over that of the baseline"},
-    {NumbersOf::sensor, "power_ratio", "1", "power of the band over that of the baseline"},
+    {NumbersOf::sensor, "rms_ratio_seen_below", "1",
+     "a ratio below it would have been seen in 90 % of passages"},
+    {NumbersOf::sensor, "rms_ratio_seen_above", "1", "likewise above it"},
+    {NumbersOf::sensor, "outlier_share", "1",
+     "points outside the limits of the SmartRock report's control charts"},
 });
 
 /// A curve of the page over another number of the same message, shown in units of its own.
@@ -108,7 +111,9 @@ inline constexpr auto published_curves = std::to_array<PublishedCurve>({
      1,
      1,
      "recorded_time_s",
-     {{{"rms_ratio", "root mean square"}, {"power_ratio", "power of the band"}}}},
+     {{{"rms_ratio", "root mean square"},
+       {"rms_ratio_seen_below", "below: seen in 90 %"},
+       {"rms_ratio_seen_above", "above: seen in 90 %"}}}},
 });
 
 constexpr bool is_published(NumbersOf message, std::string_view name) {

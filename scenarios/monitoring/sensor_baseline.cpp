@@ -3,37 +3,42 @@
 #include "engine/errors.hpp"
 #include "engine/running_hash.hpp"
 #include "engine/signal/median.hpp"
-#include "scenarios/monitoring/vibration.hpp"
+#include "scenarios/monitoring/features.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <set>
 
 namespace bris {
 
 namespace {
 
-double squared(double x) { return x * x; }
-
 /// What the passages that can be used contribute to the baseline of one sensor.
 struct Collected {
-    std::vector<Vibration> vibrations;
+    struct Usable {
+        Vibration vibration;
+        PassageCause cause;
+        std::vector<SampleRange> ranges = {};
+        std::vector<std::vector<double>> runs = {};
+        std::vector<double> features = {}; // those without a model
+        Recording recording = {};          // until its features are known
+    };
+    std::vector<Usable> passages;
     std::vector<Beginnings> recorded;
     std::vector<double> rates_per_force;
+    std::vector<Vec3> ups;
     double rate = 0; // Hz
-    RollPitchYaw rotation_squares;
     std::string refused_because;
+    std::vector<FeatureRow> rows;
 };
 
-void collect(Collected& all, const Recording& r, const std::string& refusal,
-             const MonitorSettings& settings) {
-    const Vibration v = refusal.empty() ? vibration_of(r, settings.quantity, settings.rest)
-                                        : Vibration{.impossible_because = refusal};
+void collect(Collected& all, const Recording& r, const PassageCause& cause,
+             const std::string& refusal, const MonitorSettings& settings) {
+    Vibration v = refusal.empty() ? vibration_of(r, settings.quantity, settings.rest)
+                                  : Vibration{.impossible_because = refusal};
     std::string reason = v.impossible_because;
     if (reason.empty() && v.missing > settings.largest_missing)
         reason = fmt::format("{:.1f} % of the samples are missing", 100 * v.missing);
@@ -45,68 +50,103 @@ void collect(Collected& all, const Recording& r, const std::string& refusal,
         if (all.refused_because.empty()) all.refused_because = reason;
         return;
     }
-    all.vibrations.push_back(v);
     all.recorded.emplace_back(r);
     all.rate = r.info.sampling_rate;
     if (const double quotient = rate_per_force(r); std::isfinite(quotient))
         all.rates_per_force.push_back(quotient);
-    const RollPitchYaw rotation = rotation_rms(r);
-    all.rotation_squares.roll += squared(rotation.roll);
-    all.rotation_squares.pitch += squared(rotation.pitch);
-    all.rotation_squares.yaw += squared(rotation.yaw);
+    if (const Vec3 up = up_of(r); up.norm() > 0) all.ups.push_back(up);
+    all.passages.push_back({.vibration = std::move(v), .cause = cause, .recording = r});
 }
 
-std::vector<std::vector<double>> residuals_of_runs(const ArModel& model, Runs runs) {
-    std::vector<std::vector<double>> residuals;
-    for (const auto& run : runs) residuals.push_back(residuals_of(model, run));
-    return residuals;
+double mean_square(const std::vector<std::vector<double>>& runs) {
+    double squares = 0, n = 0;
+    for (const auto& run : runs)
+        for (const double x : run) squares += x * x, ++n;
+    return n > 0 ? squares / n : 0;
 }
 
-/// The runs of all passages while trains pass. Sets the threshold and the level of the baseline.
-std::vector<std::vector<double>> passing_runs(SensorBaseline& b, const Collected& all,
-                                              const MonitorSettings& settings) {
+/// What of each passage is compared, and the threshold and level of the baseline.
+void find_ranges(SensorBaseline& b, Collected& all, const MonitorSettings& settings) {
     double squares = 0;
-    for (const Vibration& v : all.vibrations) squares += squared(v.rms);
-    b.train_threshold = settings.train_level * std::sqrt(squares / static_cast<double>(b.passages));
+    for (const auto& p : all.passages) squares += p.vibration.rms * p.vibration.rms;
+    b.train_threshold =
+        settings.train_level * std::sqrt(squares / static_cast<double>(all.passages.size()));
     std::vector<std::vector<double>> runs;
-    squares = 0;
-    for (const Vibration& v : all.vibrations)
-        for (auto& run : passing_part(v, b.train_threshold).runs) {
-            for (const double x : run) squares += squared(x);
+    for (auto& p : all.passages) {
+        p.ranges = settings.every_one
+                       ? whole_ranges(p.vibration)
+                       : active_ranges(p.vibration, b.train_threshold, settings.train_level);
+        p.runs = runs_in(p.vibration, p.ranges);
+        p.features = features_of(p.recording, p.vibration, p.ranges);
+        p.recording = {};
+        for (const auto& run : p.runs) {
             b.samples += run.size();
-            runs.push_back(std::move(run));
+            runs.push_back(run);
         }
-    b.rms = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, b.samples)));
-    return runs;
+    }
+    b.rms = std::sqrt(mean_square(runs));
 }
 
-void estimate(SensorBaseline& b, const Collected& all, const MonitorSettings& settings) {
-    b.passages = all.recorded.size();
+std::vector<ArModel> models_of(const std::vector<std::vector<double>>& runs,
+                               const MonitorSettings& s, std::size_t largest) {
+    return s.method == ArMethod::burg ? burg(runs, largest) : yule_walker(runs, largest);
+}
+
+/// Adds the features by models of which a passage is no part, as a new one is none.
+void add_features_by_others(Collected& all, std::size_t order, const MonitorSettings& settings) {
+    constexpr std::size_t parts = 5;
+    for (std::size_t part = 0; part < parts; ++part) {
+        std::vector<std::vector<double>> others;
+        for (std::size_t k = 0; k < all.passages.size(); ++k)
+            if (k % parts != part)
+                others.insert(others.end(), all.passages[k].runs.begin(),
+                              all.passages[k].runs.end());
+        if (std::ranges::none_of(others, [&](const auto& run) { return run.size() > order; }))
+            continue;
+        const ArModel model = models_of(others, settings, order).back();
+        for (std::size_t k = part; k < all.passages.size(); k += parts)
+            add_model_features(all.passages[k].features, model, all.passages[k].runs);
+    }
+}
+
+void find_up(SensorBaseline& b, const std::vector<Vec3>& ups) {
+    if (ups.empty()) return;
+    for (const Vec3& up : ups) b.up += up;
+    b.up.normalize();
+    double squares = 0;
+    for (const Vec3& up : ups)
+        squares += std::pow(std::acos(std::clamp(up.dot(b.up), -1.0, 1.0)), 2);
+    b.tilt_scatter = std::sqrt(squares / static_cast<double>(ups.size()));
+}
+
+void estimate(SensorBaseline& b, Collected& all, const MonitorSettings& settings) {
     b.rate = all.rate;
     b.recorded = all.recorded;
-    const double n = static_cast<double>(b.passages);
-    b.rotation = {std::sqrt(all.rotation_squares.roll / n),
-                  std::sqrt(all.rotation_squares.pitch / n),
-                  std::sqrt(all.rotation_squares.yaw / n)};
     if (!all.rates_per_force.empty()) b.rate_per_force = median(all.rates_per_force);
-    const auto runs = passing_runs(b, all, settings);
+    find_up(b, all.ups);
+    find_ranges(b, all, settings);
+    std::vector<std::vector<double>> runs;
+    std::vector<std::vector<std::vector<double>>> passages;
+    for (const auto& p : all.passages) {
+        runs.insert(runs.end(), p.runs.begin(), p.runs.end());
+        if (!p.runs.empty()) passages.push_back(p.runs);
+    }
     std::size_t longest = 0;
     for (const auto& run : runs) longest = std::max(longest, run.size());
     const double needed = std::max(settings.least_duration * b.rate,
-                                   50.0 * settings.subgroup + settings.largest_order);
+                                   50.0 * settings.report_rule.subgroup + settings.largest_order);
     require(static_cast<double>(b.samples) >= needed && longest > settings.largest_order,
             fmt::format("expected at least {:.0f} samples while trains pass, found {}", needed,
                         b.samples));
-    const auto models = settings.method == ArMethod::burg
-                            ? burg(runs, settings.largest_order)
-                            : yule_walker(runs, settings.largest_order);
+    const auto models = models_of(runs, settings, settings.largest_order);
     b.orders = choose_order(models, b.samples);
     b.model = models[settings.criterion == OrderCriterion::bic ? b.orders.by_bic : b.orders.by_aic];
-    const auto residuals = residuals_of_runs(b.model, runs);
-    b.means = mean_chart(residuals, settings.subgroup, settings.width, ControlLimits::corrected);
-    b.deviations = deviation_chart(residuals, settings.subgroup, settings.width);
-    b.spectrum = welch(runs, b.rate, {.segment = settings.segment});
-    b.outlier_share = chart_points(b, runs, {}, settings).outlier_share(settings.width);
+    add_features_by_others(all, b.model.order(), settings);
+    b.report_rule = ReportRule(b.model, passages, settings.report_rule);
+    if (longest >= settings.segment)
+        b.spectrum = welch(runs, b.rate, {.segment = settings.segment});
+    for (auto& p : all.passages)
+        if (!p.runs.empty()) all.rows.push_back({std::move(p.cause), std::move(p.features)});
 }
 
 } // namespace
@@ -114,7 +154,16 @@ void estimate(SensorBaseline& b, const Collected& all, const MonitorSettings& se
 std::vector<Finding> findings_of(const Passage& passage, const MonitorSettings& settings) {
     QualityControlLimits limits;
     limits.rest = settings.rest;
-    return check_recordings(passage.recordings, Vec3(0, 0, -9.81), limits);
+    if (settings.every_one) limits.gravity = 0.1; // of a sensor that shakes
+    auto findings = check_recordings(passage.recordings, Vec3(0, 0, -9.81), limits);
+    for (Finding& f : findings) {
+        // a sensor that was turned is found beside its baseline; one that is never at rest has
+        // rates
+        const bool is_no_fault = f.check == "frame" || (settings.every_one && f.check == "rate" &&
+                                                        f.text.starts_with("at rest"));
+        if (is_no_fault) f.kind = Finding::Kind::note;
+    }
+    return findings;
 }
 
 std::string refusal_of(const std::vector<Finding>& findings, unsigned sensor) {
@@ -125,30 +174,14 @@ std::string refusal_of(const std::vector<Finding>& findings, unsigned sensor) {
     return text;
 }
 
-double ChartPoints::outlier_share(double width) const {
-    if (means.empty()) return std::numeric_limits<double>::quiet_NaN();
-    std::size_t outliers = 0;
-    for (std::size_t k = 0; k < means.size(); ++k)
-        outliers += !(std::abs(means[k]) <= width && std::abs(deviations[k]) <= width);
-    return static_cast<double>(outliers) / static_cast<double>(means.size());
-}
-
-ChartPoints chart_points(const SensorBaseline& baseline, Runs runs,
-                         const std::vector<double>& begins, const MonitorSettings& settings) {
-    const auto residuals = residuals_of_runs(baseline.model, runs);
-    const std::size_t n = settings.subgroup;
-    ChartPoints points;
-    for (const double mean : subgroup_means(residuals, n))
-        points.means.push_back(baseline.means.standardised(mean));
-    for (const double s : subgroup_deviations(residuals, n)) // a constant subgroup is an outlier
-        points.deviations.push_back(baseline.deviations.standardised(std::log(s)));
-    for (std::size_t r = 0; r < std::min(residuals.size(), begins.size()); ++r)
-        for (std::size_t first = 0; first + n <= residuals[r].size(); first += n)
-            points.times.push_back(begins[r] +
-                                   (static_cast<double>(baseline.model.order() + first) +
-                                    0.5 * static_cast<double>(n - 1)) /
-                                       baseline.rate);
-    return points;
+Vec3 up_of(const Recording& r) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& f : r.force)
+        if (f.allFinite()) sum += f;
+    // what is measured without gravity has no direction
+    const bool has_gravity =
+        sum.norm() > 0.5 * standard_gravity * static_cast<double>(r.force.size());
+    return has_gravity ? Vec3(sum.normalized()) : Vec3::Zero();
 }
 
 Beginnings::Beginnings(const Recording& recording) {
@@ -181,24 +214,30 @@ using CollectedById = std::map<unsigned, Collected>;
 void collect(CollectedById& by_id, const Passage& passage, const MonitorSettings& settings) {
     const auto findings = findings_of(passage, settings);
     for (const Recording& r : passage.recordings)
-        collect(by_id[r.info.id], r, refusal_of(findings, r.info.id), settings);
+        collect(by_id[r.info.id], r, passage.cause, refusal_of(findings, r.info.id), settings);
 }
 
-std::vector<SensorBaseline> baselines_of(const CollectedById& by_id,
-                                         const MonitorSettings& settings) {
+std::vector<SensorBaseline> baselines_of(CollectedById& by_id, const MonitorSettings& settings) {
     std::vector<SensorBaseline> baselines;
-    for (const auto& [id, all] : by_id) {
+    std::vector<std::vector<FeatureRow>> rows;
+    for (auto& [id, all] : by_id) {
         SensorBaseline& b = baselines.emplace_back();
         b.id = id;
         b.impossible_because = all.refused_because.empty() ? "no samples" : all.refused_because;
-        if (all.recorded.empty()) continue;
-        try {
-            estimate(b, all, settings);
-            b.impossible_because.clear();
-        } catch (const InputError& e) {
-            b.impossible_because = e.what();
+        if (!all.recorded.empty()) {
+            try {
+                estimate(b, all, settings);
+                b.impossible_because.clear();
+            } catch (const InputError& e) {
+                b.impossible_because = e.what();
+            }
         }
+        rows.push_back(std::move(all.rows));
     }
+    std::vector<unsigned> families;
+    for (const Feature& f : all_features()) families.push_back(f.family);
+    auto models = site_models(rows, families);
+    for (std::size_t k = 0; k < baselines.size(); ++k) baselines[k].features = std::move(models[k]);
     return baselines;
 }
 

@@ -2,10 +2,10 @@
 
 #include "engine/options.hpp"
 #include "engine/signal/autoregression.hpp"
-#include "engine/signal/control_chart.hpp"
-#include "engine/signal/roll_pitch_yaw.hpp"
 #include "engine/signal/spectrum.hpp"
 #include "scenarios/monitoring/passage.hpp"
+#include "scenarios/monitoring/report_rule.hpp"
+#include "scenarios/monitoring/site_model.hpp"
 #include "scenarios/monitoring/vibration.hpp"
 #include "scenarios/sensors/quality_control.hpp"
 
@@ -18,22 +18,21 @@ namespace bris {
 
 /// Settings of the comparison of recordings with a baseline.
 struct MonitorSettings {
+    /// Largest probability that any sensor of a passage without a change, or all passages of a run
+    /// together, raises an alarm.
+    double false_alarms = 0.02;
     VibrationQuantity quantity = VibrationQuantity::vertical;
     double rest = 1;          ///< s at the beginning during which the rocks are at rest
-    unsigned subgroup = 20;   ///< samples in a point of the charts
-    double width = 3;         ///< of the limits, standard deviations
-    double alarm_share = 0.2; ///< of points outside the limits
+    bool every_one = false;   ///< every recording holds a train, as a whole
+    double train_level = 0.2; ///< of the baseline's root mean square: a train passes
     unsigned largest_order = 30;
     OrderCriterion criterion = OrderCriterion::bic;
     ArMethod method = ArMethod::burg;
-    double ewma_weight = 0.1, ewma_width = 2.814;
-    double cusum_allowance = 0.5, cusum_limit = 5;
-    double least_duration = 2;     ///< s of samples without gaps in the charts
+    ReportRuleSettings report_rule;
+    double least_duration = 2;     ///< s of samples without gaps that are compared
     double largest_missing = 0.05; ///< share of samples
     double largest_saturated = 1e-3;
-    double train_level = 0.2;            ///< of the baseline's root mean square: a train passes
-    unsigned segment = 256;              ///< samples, of a spectrum
-    double band_low = 1, band_high = 80; ///< Hz
+    unsigned segment = 256; ///< samples, of a spectrum that is drawn
     void declare_options(auto& option);
 };
 
@@ -51,16 +50,17 @@ struct SensorBaseline {
     unsigned id = 0;
     std::string impossible_because; ///< why it is none; empty: it is one
     double rate = 0;                ///< Hz
-    std::size_t samples = 0, passages = 0;
-    double train_threshold = 0; ///< m/s2, or rad/s, root mean square while a train passes
-    double rms = 0;             ///< of the time while trains pass
+    std::size_t samples = 0;        ///< that are compared
+    double train_threshold = 0;     ///< m/s2, or rad/s, root mean square while a train passes
+    double rms = 0;                 ///< of the time while trains pass
     ArModel model;
     OrderChoice orders;
-    ControlChart means, deviations; ///< of subgroups of residuals; logarithms of deviations
-    double outlier_share = 0;       ///< of its own points
-    Spectrum spectrum;
-    RollPitchYaw rotation;            ///< rad, root mean squares
+    SensorModel features; ///< what is expected of those of a passage
+    ReportRule report_rule;
+    Spectrum spectrum;                ///< without segments: not computed
     double rate_per_force = 0;        ///< rad/s per m/s2, median; see vibration.hpp
+    Vec3 up = Vec3::Zero();           ///< by gravity, body axes; zero: not known
+    double tilt_scatter = 0;          ///< rad, root mean square between passages
     std::vector<Beginnings> recorded; ///< to find out if one of them is monitored
 };
 
@@ -76,15 +76,8 @@ std::vector<SensorBaseline> read_baselines(const std::filesystem::path& folder,
                                            const std::string& option,
                                            const MonitorSettings& settings);
 
-/// The points of the charts of some runs: means and logarithms of deviations of subgroups of
-/// residuals, in standard deviations of the baseline.
-struct ChartPoints {
-    std::vector<double> means, deviations;
-    std::vector<double> times; ///< s, middle of each subgroup, if the beginnings are given
-    double outlier_share(double width) const; ///< NaN without points
-};
-ChartPoints chart_points(const SensorBaseline& baseline, Runs runs,
-                         const std::vector<double>& begins, const MonitorSettings& settings);
+/// The specific force's mean direction (body axes), which is the vertical; zero: none.
+Vec3 up_of(const Recording& recording);
 
 /// Quality control of one passage: the findings of all its sensors.
 std::vector<Finding> findings_of(const Passage& passage, const MonitorSettings& settings);
@@ -92,48 +85,50 @@ std::vector<Finding> findings_of(const Passage& passage, const MonitorSettings& 
 std::string refusal_of(const std::vector<Finding>& findings, unsigned sensor);
 
 void MonitorSettings::declare_options(auto& option) {
+    option("false_alarms", false_alarms, "",
+           "Largest probability of an alarm in a passage in which nothing has changed, of all "
+           "sensors and features together; and of one in a run, of all its passages.",
+           within(1e-6, 0.5));
     option("quantity", quantity, "",
-           "Quantity that is compared: vertical acceleration, or the angular rate about the track "
-           "(roll), the tie (pitch) or the vertical (yaw).");
+           "Quantity whose level and model are compared: vertical acceleration, or, of sensors "
+           "without it, the angular rate about the track (roll), the tie (pitch) or the vertical "
+           "(yaw).");
     option("rest", rest, "s",
            "Time at the beginning of each recording during which the rocks are at rest. Windows of "
            "a stream are taken as a whole instead.",
            above(0, 1e6));
-    option("subgroup", subgroup, "", "Samples in a point of the control charts.", within(2, 10000));
-    option("width", width, "", "Distance of the limits from the centre in standard deviations.",
-           above(0, 100));
-    option("alarm_share", alarm_share, "",
-           "Share of points outside the limits above which a sensor has changed.", within(0, 1));
+    option("every_recording_holds_a_train", every_one, "",
+           "Compare recordings as a whole: each holds a train from beginning to end.");
+    option("train_level", train_level, "",
+           "Root mean square over 0.25 s above which a train is passing, relative to that of the "
+           "baseline and to that of the loudest tenth of the passage itself. Only such windows are "
+           "compared.",
+           within(0, 1));
     option("largest_order", largest_order, "",
-           "Largest order of the autoregressive model of the baseline.", within(1, 200));
+           "Largest order of the autoregressive model of the baseline.", within(3, 200));
     option("criterion", criterion, "", "Criterion by which the order is chosen.");
     option("method", method, "", "Method by which the model is estimated.");
-    option("ewma_weight", ewma_weight, "", "Weight of a point in the moving average.", above(0, 1));
-    option("ewma_width", ewma_width, "", "Width of the limits of the moving average.",
-           above(0, 100));
-    option("cusum_allowance", cusum_allowance, "", "Allowance of the cumulative sums.",
-           within(0, 100));
-    option("cusum_limit", cusum_limit, "", "Limit of the cumulative sums.", above(0, 1e6));
-    option(
-        "least_duration", least_duration, "s",
-        "Time without gaps, while a train passes, that a recording must have; with less there is "
-        "no verdict.",
-        above(0, 1e6));
+    option("least_duration", least_duration, "s",
+           "Time without gaps, while a train passes, that a recording must have; with less there "
+           "is no verdict.",
+           above(0, 1e6));
     option("largest_missing", largest_missing, "",
            "Share of missing samples above which there is no verdict.", within(0, 1));
     option("largest_saturated", largest_saturated, "",
            "Share of samples at the end of the range above which there is no verdict.",
            within(0, 1));
-    option("train_level", train_level, "",
-           "Root mean square over 0.25 s, relative to that of the whole baseline, above which a "
-           "train is passing. Only the time from the first to the last such window is compared.",
-           within(0, 1));
     option("segment", segment, "",
            "Samples in a segment of a spectrum, a number without other prime factors than 2, 3 and "
            "5.",
            within(8, 1 << 20));
-    option("band_low", band_low, "Hz", "Lower end of the band of the power.", within(0, 1e6));
-    option("band_high", band_high, "Hz", "Upper end of the band of the power.", above(0, 1e6));
+    option.group("Control charts of the SmartRock report, beside the verdict");
+    option("subgroup", report_rule.subgroup, "", "Samples in a point of the charts.",
+           within(2, 10000));
+    option("width", report_rule.width, "",
+           "Distance of the limits from the centre in standard deviations.", above(0, 100));
+    option("alarm_share", report_rule.alarm_share, "",
+           "Share of points outside the limits above which the charts call a sensor changed.",
+           within(0, 1));
 }
 
 } // namespace bris

@@ -1,6 +1,6 @@
 #include "scenarios/monitoring/sensor_verdict.hpp"
 
-#include "scenarios/monitoring/vibration.hpp"
+#include "scenarios/monitoring/features.hpp"
 
 #include <fmt/format.h>
 
@@ -20,17 +20,19 @@ bool is_of_baseline(const Recording& r, const SensorBaseline& baseline) {
                                [&](const Beginnings& other) { return own.are_those_of(other); });
 }
 
-/// Length (s) of the runs that are long enough for a point of the charts.
-double usable_duration(const Vibration& v, std::size_t samples_needed) {
+/// Length (s) of the runs that are longer than the order of the model.
+double usable_duration(const std::vector<std::vector<double>>& runs, double rate,
+                       std::size_t order) {
     std::size_t samples = 0;
-    for (const auto& run : v.runs)
-        if (run.size() >= samples_needed) samples += run.size();
-    return static_cast<double>(samples) / v.rate;
+    for (const auto& run : runs)
+        if (run.size() > order) samples += run.size();
+    return static_cast<double>(samples) / rate;
 }
 
 /// Why nothing can be said of a recording; empty: something can.
-/// `v`: the whole recording; `train`: the part in which a train passes.
-std::string reason_against(const Recording& r, const Vibration& v, const Vibration& train,
+/// `v`: the recording; `runs`: what of it is compared.
+std::string reason_against(const Recording& r, const Vibration& v,
+                           const std::vector<std::vector<double>>& runs,
                            const SensorBaseline& baseline, const std::string& refusal,
                            const MonitorSettings& s) {
     if (!baseline.impossible_because.empty()) return "no baseline: " + baseline.impossible_because;
@@ -52,61 +54,12 @@ std::string reason_against(const Recording& r, const Vibration& v, const Vibrati
                            "range, found {:.2f} %",
                            100 * s.largest_saturated, 100 * v.saturated);
     if (is_of_baseline(r, baseline)) return "its samples are those of a recording of the baseline";
-    const double usable = usable_duration(train, baseline.model.order() + s.subgroup);
-    if (!train.runs.empty() && usable < s.least_duration)
+    const double usable = usable_duration(runs, v.rate, baseline.model.order());
+    if (!runs.empty() && usable < s.least_duration)
         return fmt::format("too short: expected at least {:g} s without gaps while a train passes, "
                            "found {:.3g} s",
                            s.least_duration, usable);
     return {};
-}
-
-double share_of(std::size_t count, std::size_t all) {
-    return all > 0 ? static_cast<double>(count) / static_cast<double>(all) : SensorResult::unknown;
-}
-
-/// Moving average and cumulative sums of the standardised deviations, beside the chart.
-void follow_level(SensorResult& result, const MonitorSettings& s) {
-    Ewma average(s.ewma_weight, s.ewma_width);
-    Cusum sums(s.cusum_allowance, s.cusum_limit);
-    std::size_t by_average = 0, by_sums = 0;
-    for (const double z : result.points.deviations) {
-        by_average += average.add(z);
-        by_sums += sums.add(z);
-    }
-    result.ewma_share = share_of(by_average, result.points.deviations.size());
-    result.cusum_share = share_of(by_sums, result.points.deviations.size());
-}
-
-void compare(SensorResult& result, const Recording& r, const Vibration& v,
-             const SensorBaseline& baseline, const MonitorSettings& s) {
-    result.level_ratio = v.rms / baseline.rms;
-    result.points = chart_points(baseline, v.runs, v.begins, s);
-    result.outlier_share = result.points.outlier_share(s.width);
-    follow_level(result, s);
-    const RollPitchYaw rotation = rotation_rms(r);
-    result.rotation_ratio = {rotation.roll / baseline.rotation.roll,
-                             rotation.pitch / baseline.rotation.pitch,
-                             rotation.yaw / baseline.rotation.yaw};
-    if (std::ranges::none_of(v.runs, [&](const auto& run) { return run.size() >= s.segment; }))
-        return;
-    result.spectrum = welch(v.runs, v.rate, {.segment = s.segment});
-    result.power_ratio = band_power(result.spectrum, s.band_low, s.band_high) /
-                         band_power(baseline.spectrum, s.band_low, s.band_high);
-    result.entropy = spectral_entropy(result.spectrum, s.band_low, s.band_high);
-}
-
-void decide(SensorResult& result, const MonitorSettings& s) {
-    if (!std::isfinite(result.outlier_share) || !std::isfinite(result.level_ratio)) {
-        result.reason = "no point of the charts has a number";
-        return;
-    }
-    const bool alarm = result.outlier_share > s.alarm_share;
-    result.verdict = alarm ? Verdict::changed : Verdict::as_baseline;
-    result.reason =
-        fmt::format("{:.1f} % of {} points are outside the limits, {} {:g} %; root mean "
-                    "square {:.2f} times that of the baseline",
-                    100 * result.outlier_share, result.points.means.size(),
-                    alarm ? "more than" : "at most", 100 * s.alarm_share, result.level_ratio);
 }
 
 /// Why the angular rates seem to be in another unit than in the baseline: while a train passes,
@@ -122,57 +75,254 @@ std::string reason_against_units(const Recording& r, const SensorBaseline& basel
                        factor, factor > 1 ? "deg/s" : "rad/s, not in deg/s");
 }
 
-/// Compares a recording with its baseline.
-void judge(SensorResult& result, const Recording& r, const SensorBaseline& baseline,
-           const std::string& refusal, const MonitorSettings& s) {
-    const Vibration v =
-        refusal.empty() ? vibration_of(r, s.quantity, s.rest) : Vibration{.runs = {}};
-    const Vibration train = passing_part(v, baseline.train_threshold);
-    result.duration = v.duration;
-    result.reason = reason_against(r, v, train, baseline, refusal, s);
-    if (!result.reason.empty()) return;
-    if (train.runs.empty()) {
-        result.verdict = Verdict::no_train;
-        result.reason = fmt::format("hardly any vibration: expected a root mean square of {:.3g} "
-                                    "in some window of 0.25 s, found none",
-                                    baseline.train_threshold);
-        return;
-    }
-    result.reason = reason_against_units(r, baseline);
-    if (!result.reason.empty()) return;
-    compare(result, r, train, baseline, s);
-    decide(result, s);
+/// What of one sensor's recording is compared.
+struct Compared {
+    const Recording* recording = nullptr; // null: it is not
+    const SensorBaseline* baseline = nullptr;
+    Vibration vibration = {};
+    std::vector<SampleRange> ranges = {};
+    std::vector<std::vector<double>> runs = {};
+};
+
+/// s, from the first to the last sample that is compared.
+struct Interval {
+    double begin = std::numeric_limits<double>::infinity(), end = -begin;
+};
+
+void select(Compared& c, std::vector<SampleRange> ranges) {
+    c.ranges = std::move(ranges);
+    c.runs = runs_in(c.vibration, c.ranges);
 }
 
-/// A sensor that lies still while another one moves is broken, or lost its contact.
-void doubt_still_sensors(PassageResult& passage) {
-    const bool train = std::ranges::any_of(passage.sensors, [](const SensorResult& s) {
-        return s.verdict == Verdict::as_baseline || s.verdict == Verdict::changed;
-    });
-    if (!train) return;
-    for (SensorResult& s : passage.sensors)
-        if (s.verdict == Verdict::no_train) {
-            s.verdict = Verdict::not_enough_data;
-            s.reason += ", while other sensors moved";
+/// The whole ranges within an interval.
+std::vector<SampleRange> ranges_in(const Compared& c, const Interval& interval) {
+    std::vector<SampleRange> ranges;
+    for (SampleRange range : whole_ranges(c.vibration)) {
+        const auto& t = c.recording->time;
+        while (range.begin < range.end && t[range.begin] < interval.begin) ++range.begin;
+        while (range.begin < range.end && t[range.end - 1] > interval.end) --range.end;
+        if (range.begin < range.end) ranges.push_back(range);
+    }
+    return ranges;
+}
+
+/// Expected and found features of a recording; those that need axes only if it was not turned.
+void compare(SensorResult& result, const Compared& c, const PassageCause& cause, bool is_moved,
+             const MonitorSettings& s) {
+    auto values = features_of(*c.recording, c.vibration, c.ranges);
+    add_model_features(values, c.baseline->model, c.runs);
+    const auto expected = c.baseline->features.expected(cause);
+    result.features.resize(values.size());
+    for (std::size_t f = 0; f < values.size(); ++f) {
+        JudgedFeature& judged = result.features[f];
+        judged.expected = expected[f];
+        if (!expected[f].is_known() || !std::isfinite(values[f]) ||
+            (is_moved && all_features()[f].by_axis))
+            continue;
+        judged.difference = values[f] - expected[f].mean;
+        judged.deviation = expected[f].deviation();
+        judged.p = p_of_deviation(judged.difference / judged.deviation, expected[f].degrees);
+    }
+    result.outlier_shares = c.baseline->report_rule.outlier_shares(c.runs);
+    std::vector<double> begins;
+    for (const SampleRange& range : c.ranges) begins.push_back(c.recording->time[range.begin]);
+    result.points = c.baseline->report_rule.points(c.runs, c.vibration.rate, begins);
+    if (std::ranges::any_of(c.runs, [&](const auto& run) { return run.size() >= s.segment; }))
+        result.spectrum = welch(c.runs, c.vibration.rate, {.segment = s.segment});
+}
+
+/// Angle (rad) from which a sensor counts as turned.
+double turned_from(const SensorBaseline& b) { return std::max(5 * pi / 180, 5 * b.tilt_scatter); }
+
+bool is_judged(const JudgedFeature& f) { return std::isfinite(f.p); }
+
+/// Marks the features that have changed, of all sensors of a passage together.
+void find_changes(PassageResult& passage, double false_alarms) {
+    std::size_t sensors = 0;
+    for (const SensorResult& s : passage.sensors)
+        sensors += std::ranges::any_of(s.features, is_judged);
+    std::vector<double> p, shares;
+    std::vector<JudgedFeature*> places;
+    for (SensorResult& s : passage.sensors) {
+        std::vector<bool> judged;
+        for (const JudgedFeature& f : s.features) judged.push_back(is_judged(f));
+        if (std::ranges::none_of(judged, [](bool one) { return one; })) continue;
+        const auto own = shares_of(judged, sensors);
+        for (std::size_t f = 0; f < s.features.size(); ++f) {
+            JudgedFeature& feature = s.features[f];
+            if (!judged[f]) continue;
+            places.push_back(&feature);
+            p.push_back(feature.p);
+            shares.push_back(own[f]);
+            feature.seen = seen_in_90_per_cent(feature.expected, false_alarms * own[f]);
         }
+    }
+    const auto is_changed = rejected(p, shares, false_alarms);
+    for (std::size_t k = 0; k < places.size(); ++k) places[k]->is_changed = is_changed[k];
+}
+
+/// "vertical vibration 1.85 times (p = 2e-06)".
+std::string text_of(const JudgedFeature& f, const Feature& feature) {
+    const std::string p = fmt::format("(p = {:.1g})", f.p);
+    if (feature.factor == 0)
+        return fmt::format("{} {:+.1f} standard deviations {}", feature.meaning,
+                           f.difference / f.deviation, p);
+    return fmt::format("{} {:.2f} times {}", feature.meaning,
+                       std::exp(feature.factor * f.difference), p);
+}
+
+/// The changed features, the least probable first.
+std::string changes_of(const SensorResult& s) {
+    std::vector<std::size_t> changed;
+    for (std::size_t f = 0; f < s.features.size(); ++f)
+        if (s.features[f].is_changed) changed.push_back(f);
+    std::ranges::sort(changed, {}, [&](std::size_t f) { return s.features[f].p; });
+    std::string text;
+    constexpr std::size_t most = 3;
+    for (std::size_t k = 0; k < std::min(most, changed.size()); ++k)
+        text += (k > 0 ? ", " : "") + text_of(s.features[changed[k]], all_features()[changed[k]]);
+    if (changed.size() > most) text += fmt::format(", and {} more", changed.size() - most);
+    return text;
+}
+
+/// The kind of change: a level before a spectrum before a motion.
+Verdict kind_of_change(const SensorResult& s) {
+    Verdict verdict = Verdict::as_baseline;
+    double least = 2;
+    for (std::size_t f = 0; f < s.features.size(); ++f) {
+        const JudgedFeature& feature = s.features[f];
+        if (!feature.is_changed) continue;
+        const FeatureKind kind = all_features()[f].kind;
+        if (kind == FeatureKind::level && feature.p < least) {
+            least = feature.p;
+            verdict = feature.difference > 0 ? Verdict::louder : Verdict::quieter;
+        }
+        if (least <= 1) continue;
+        if (kind == FeatureKind::spectrum)
+            verdict = Verdict::another_spectrum;
+        else if (kind == FeatureKind::motion && verdict == Verdict::as_baseline)
+            verdict = Verdict::another_motion;
+    }
+    return verdict;
+}
+
+/// Only axes have changed, and no feature that a turn leaves as it is.
+bool seems_turned(const SensorResult& s) {
+    bool by_axis = false, others = false;
+    for (std::size_t f = 0; f < s.features.size(); ++f)
+        if (s.features[f].is_changed) (all_features()[f].by_axis ? by_axis : others) = true;
+    bool has_motion_change = false;
+    for (std::size_t f = 0; f < s.features.size(); ++f)
+        has_motion_change = has_motion_change || (s.features[f].is_changed &&
+                                                  all_features()[f].kind == FeatureKind::motion);
+    return by_axis && !others && !has_motion_change;
+}
+
+void decide(SensorResult& s, bool is_moved) {
+    if (std::ranges::none_of(s.features, is_judged)) {
+        s.reason = "no feature has a number";
+        return;
+    }
+    const std::string changes = changes_of(s);
+    if (is_moved) {
+        s.verdict = Verdict::moved;
+        s.reason = fmt::format(
+            "it was turned by {:.0f} degrees or mounted anew; what does not depend on axes: {}",
+            s.turned * 180 / pi, changes.empty() ? "as the baseline" : changes);
+    } else if (changes.empty()) {
+        s.verdict = Verdict::as_baseline;
+        s.reason =
+            fmt::format("vertical vibration {:.2f} times; below {:.2f} or above {:.2f} times "
+                        "would have been seen in 90 % of passages",
+                        s.level_ratio(), s.seen_below(), s.seen_above());
+    } else if (seems_turned(s)) {
+        s.verdict = Verdict::moved;
+        s.reason =
+            "only the horizontal axes have changed, as if it was turned about the vertical: " +
+            changes;
+    } else {
+        s.verdict = kind_of_change(s);
+        s.reason = changes;
+    }
+}
+
+/// Finds what of a recording is compared, or why nothing is.
+Compared prepare(SensorResult& result, const Recording& r, const SensorBaseline& baseline,
+                 const std::string& refusal, const MonitorSettings& s) {
+    Compared c{&r, &baseline};
+    c.vibration = refusal.empty() ? vibration_of(r, s.quantity, s.rest) : Vibration{.runs = {}};
+    result.duration = c.vibration.duration;
+    select(c, s.every_one ? whole_ranges(c.vibration)
+                          : active_ranges(c.vibration, baseline.train_threshold, s.train_level));
+    result.reason = reason_against(r, c.vibration, c.runs, baseline, refusal, s);
+    if (result.reason.empty() && !c.runs.empty()) result.reason = reason_against_units(r, baseline);
+    if (!result.reason.empty()) c.recording = nullptr;
+    return c;
+}
+
+/// Whether a sensor hardly moves, or did so in a stream, which then keeps none of its samples.
+bool is_quiet(const SensorResult& sensor, const Compared& c) {
+    return c.recording != nullptr ? c.ranges.empty()
+                                  : sensor.verdict == Verdict::quieter_or_no_train;
+}
+
+/// What is compared of sensors that hardly move: the time in which others do.
+void complete(PassageResult& passage, std::vector<Compared>& all, const MonitorSettings& s) {
+    Interval train;
+    for (const Compared& c : all)
+        if (c.recording != nullptr && !c.ranges.empty()) {
+            train.begin = std::min(train.begin, c.recording->time[c.ranges.front().begin]);
+            train.end = std::max(train.end, c.recording->time[c.ranges.back().end - 1]);
+        }
+    const bool is_seen = train.begin < train.end;
+    std::size_t quiet = 0; // sensors
+    for (std::size_t k = 0; k < all.size(); ++k) quiet += is_quiet(passage.sensors[k], all[k]);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        Compared& c = all[k];
+        SensorResult& sensor = passage.sensors[k];
+        if (!is_quiet(sensor, c)) continue;
+        sensor.verdict = is_seen     ? Verdict::not_enough_data
+                         : quiet > 1 ? Verdict::no_train
+                                     : Verdict::quieter_or_no_train;
+        if (c.recording != nullptr && is_seen) {
+            select(c, ranges_in(c, train));
+            if (usable_duration(c.runs, c.vibration.rate, c.baseline->model.order()) >=
+                s.least_duration)
+                continue;
+        }
+        sensor.reason = std::string("hardly any vibration") +
+                        (is_seen     ? ", while other sensors moved"
+                         : quiet > 1 ? ""
+                                     : "; no other sensor shows whether a train passed");
+        c.recording = nullptr;
+    }
+}
+
+/// Why a sensor's recording cannot be prepared; empty: it can.
+std::string reason_against_passage(SensorResult& sensor, const Passage& passage,
+                                   const SensorBaseline* baseline, const Recording* recording) {
+    if (baseline == nullptr) return "no baseline: the baseline has no such sensor";
+    if (recording == nullptr) return "no recording of this sensor";
+    const auto recorded = passage.recorded.find(sensor.id);
+    if (recorded == passage.recorded.end()) return {};
+    if (recorded->second < all_recorded)
+        return fmt::format("expected at least {:g} % of the passage recorded, found {:.0f} %",
+                           100 * all_recorded, 100 * recorded->second);
+    if (recording->size() > 0) return {};
+    sensor.verdict = Verdict::quieter_or_no_train;
+    return "hardly any vibration";
 }
 
 } // namespace
 
-const char* text_of(Verdict verdict) {
-    switch (verdict) {
-    case Verdict::as_baseline:
-        return "as the baseline";
-    case Verdict::changed:
-        return "changed";
-    case Verdict::no_train:
-        return "no train";
-    case Verdict::time_unknown:
-        return "time unknown";
-    case Verdict::not_enough_data:
-        break;
-    }
-    return "not enough data";
+double SensorResult::level_ratio() const {
+    return features.empty() ? unknown : std::exp(features.front().difference);
+}
+double SensorResult::seen_below() const {
+    return features.empty() ? unknown : std::exp(-features.front().seen);
+}
+double SensorResult::seen_above() const {
+    return features.empty() ? unknown : std::exp(features.front().seen);
 }
 
 PassageResult judge_passage(const Passage& passage, const std::vector<SensorBaseline>& baselines,
@@ -181,94 +331,63 @@ PassageResult judge_passage(const Passage& passage, const std::vector<SensorBase
     std::set<unsigned> ids;
     for (const SensorBaseline& b : baselines) ids.insert(b.id);
     for (const Recording& r : passage.recordings) ids.insert(r.info.id);
+    std::vector<Compared> compared;
     for (const unsigned id : ids) {
         SensorResult& sensor = result.sensors.emplace_back();
         sensor.id = id;
-        const auto baseline = std::ranges::find(baselines, id, &SensorBaseline::id);
-        const auto recording =
-            std::ranges::find(passage.recordings, id, [](const Recording& r) { return r.info.id; });
-        if (baseline == baselines.end()) {
-            sensor.reason = "no baseline: the baseline has no such sensor";
-            continue;
-        }
-        if (recording == passage.recordings.end()) {
-            sensor.reason = "no recording of this sensor";
-            continue;
-        }
-        if (const auto recorded = passage.recorded.find(id); recorded != passage.recorded.end()) {
-            if (recorded->second < all_recorded) {
-                sensor.reason = fmt::format("expected at least {:g} % of the passage recorded, "
-                                            "found {:.0f} %",
-                                            100 * all_recorded, 100 * recorded->second);
-                continue;
-            }
-            if (recording->size() == 0) {
-                sensor.verdict = Verdict::no_train;
-                sensor.reason = "hardly any vibration";
-                continue;
-            }
-        }
-        judge(sensor, *recording, *baseline, refusal_of(result.findings, id), settings);
+        const auto b = std::ranges::find(baselines, id, &SensorBaseline::id);
+        const auto r = std::ranges::find(passage.recordings, id,
+                                         [](const Recording& one) { return one.info.id; });
+        const SensorBaseline* baseline = b == baselines.end() ? nullptr : &*b;
+        const Recording* recording = r == passage.recordings.end() ? nullptr : &*r;
+        sensor.reason = reason_against_passage(sensor, passage, baseline, recording);
+        compared.push_back(
+            sensor.reason.empty()
+                ? prepare(sensor, *recording, *baseline, refusal_of(result.findings, id), settings)
+                : Compared{});
     }
-    doubt_still_sensors(result);
+    complete(result, compared, settings);
+    std::vector<bool> is_moved(compared.size(), false);
+    for (std::size_t k = 0; k < compared.size(); ++k) {
+        const Compared& c = compared[k];
+        SensorResult& sensor = result.sensors[k];
+        if (c.recording == nullptr) continue;
+        sensor.reason = c.baseline->features.impossible_because(passage.cause);
+        if (!sensor.reason.empty()) continue;
+        for (const auto& run : c.runs)
+            sensor.compared += static_cast<double>(run.size()) / c.vibration.rate;
+        const Vec3 up = up_of(*c.recording);
+        if (up.norm() > 0 && c.baseline->up.norm() > 0)
+            sensor.turned = std::acos(std::clamp(up.dot(c.baseline->up), -1.0, 1.0));
+        is_moved[k] = sensor.turned > turned_from(*c.baseline);
+        compare(sensor, c, passage.cause, is_moved[k], settings);
+    }
+    find_changes(result, settings.false_alarms);
+    for (std::size_t k = 0; k < compared.size(); ++k)
+        if (!result.sensors[k].features.empty()) decide(result.sensors[k], is_moved[k]);
     return result;
 }
 
 namespace {
 
-constexpr int rank_of(Verdict v) {
-    return v == Verdict::changed           ? 4
-           : v == Verdict::time_unknown    ? 3
-           : v == Verdict::not_enough_data ? 2
-           : v == Verdict::as_baseline     ? 1
-                                           : 0;
+double least_p(const SensorResult& s) {
+    double least = 2;
+    for (const JudgedFeature& f : s.features)
+        if (f.p < least) least = f.p;
+    return least;
 }
 
 bool is_more_serious(const SensorResult& a, const SensorResult& b) {
-    if (rank_of(a.verdict) != rank_of(b.verdict)) return rank_of(a.verdict) > rank_of(b.verdict);
-    return a.outlier_share > b.outlier_share;
+    if (a.verdict != b.verdict) return a.verdict > b.verdict;
+    return least_p(a) < least_p(b);
 }
 
 } // namespace
 
 Verdict verdict_on(const PassageResult& passage) {
     Verdict worst = passage.sensors.empty() ? Verdict::not_enough_data : Verdict::no_train;
-    for (const SensorResult& s : passage.sensors)
-        if (rank_of(s.verdict) > rank_of(worst)) worst = s.verdict;
+    for (const SensorResult& s : passage.sensors) worst = std::max(worst, s.verdict);
     return worst;
-}
-
-void PassageTally::add(Verdict verdict, int count) {
-    std::size_t& n = verdict == Verdict::as_baseline    ? as_baseline
-                     : verdict == Verdict::changed      ? changed
-                     : verdict == Verdict::no_train     ? no_train
-                     : verdict == Verdict::time_unknown ? time_unknown
-                                                        : not_enough_data;
-    n = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(n) + count);
-}
-
-std::size_t PassageTally::all() const {
-    return as_baseline + changed + no_train + not_enough_data + time_unknown;
-}
-
-std::string PassageTally::not_judged() const {
-    std::string reasons;
-    for (const auto& [count, verdict] : {std::pair{no_train, Verdict::no_train},
-                                         {not_enough_data, Verdict::not_enough_data},
-                                         {time_unknown, Verdict::time_unknown}})
-        if (count > 0)
-            reasons += fmt::format(
-                "{}{}{}", reasons.empty() ? "" : ", ", text_of(verdict),
-                all() - as_baseline - changed == count ? "" : fmt::format(" {}", count));
-    if (reasons.empty()) return {};
-    return fmt::format("{} not judged: {}", all() - as_baseline - changed, reasons);
-}
-
-std::string PassageTally::sentence() const {
-    std::string text = fmt::format("as the baseline in {} of {} passages", as_baseline, all());
-    if (changed > 0) text += fmt::format(", changed in {}", changed);
-    const std::string others = not_judged();
-    return others.empty() ? text : text + "; " + others;
 }
 
 MostSerious most_serious_result(const std::vector<PassageResult>& passages,
@@ -280,18 +399,6 @@ MostSerious most_serious_result(const std::vector<PassageResult>& passages,
                 (worst.sensor == nullptr || is_more_serious(one, *worst.sensor)))
                 worst = {&passage, &one};
     return worst;
-}
-
-OverallVerdict overall_verdict(const std::vector<PassageResult>& passages,
-                               std::optional<unsigned> sensor) {
-    const MostSerious worst = most_serious_result(passages, sensor);
-    if (worst.sensor == nullptr) return {Verdict::not_enough_data, "nothing was recorded"};
-    const Verdict verdict = worst.sensor->verdict;
-    if (verdict == Verdict::as_baseline && !sensor)
-        return {verdict, "every sensor in every passage is as its baseline"};
-    return {verdict == Verdict::no_train ? Verdict::not_enough_data : verdict,
-            fmt::format("sensor {} in {}: {}", worst.sensor->id, worst.passage->name,
-                        worst.sensor->reason)};
 }
 
 } // namespace bris

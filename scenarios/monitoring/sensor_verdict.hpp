@@ -1,7 +1,10 @@
 #pragma once
 
+#include "scenarios/monitoring/comparison.hpp"
 #include "scenarios/monitoring/sensor_baseline.hpp"
+#include "scenarios/monitoring/verdict.hpp"
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -10,12 +13,15 @@
 
 namespace bris {
 
-/// What the recording of a sensor says about the track beside it. `no_train`: nothing passed, so
-/// nothing is said. `time_unknown`: nothing says when it was recorded. An all-clear, `as_baseline`,
-/// needs a recording in which a change would be seen.
-enum class Verdict { as_baseline, changed, not_enough_data, no_train, time_unknown };
-/// "as the baseline", "changed", "not enough data", "no train", "time unknown".
-const char* text_of(Verdict verdict);
+/// A feature of a passage beside what is expected of it; NaN: not judged.
+struct JudgedFeature {
+    double difference = std::numeric_limits<double>::quiet_NaN(); ///< from the expected mean
+    double deviation = std::numeric_limits<double>::quiet_NaN();  ///< of a passage from that mean
+    double p = std::numeric_limits<double>::quiet_NaN();
+    double seen = std::numeric_limits<double>::quiet_NaN(); ///< change that is seen in 90 %
+    bool is_changed = false;
+    ExpectedFeature expected = {};
+};
 
 /// The recording of one sensor beside its baseline. NaN: not computed.
 struct SensorResult {
@@ -24,16 +30,19 @@ struct SensorResult {
     unsigned id = 0;
     Verdict verdict = Verdict::not_enough_data;
     std::string reason;
-    double duration = 0;            ///< s, of the recording
-    double outlier_share = unknown; ///< of the points of its charts
-    double level_ratio = unknown;   ///< of root mean squares, to the baseline
-    double power_ratio = unknown;   ///< of band powers, to the baseline
-    double entropy = unknown;       ///< spectral, of the band
-    double ewma_share = unknown;    ///< of points at which the moving average is outside
-    double cusum_share = unknown;   ///< of points at which a cumulative sum is above its limit
-    RollPitchYaw rotation_ratio{unknown, unknown, unknown}; ///< of root mean squares
-    ChartPoints points;
-    Spectrum spectrum; ///< without segments: not computed
+    double duration = 0; ///< s, of the recording
+    double compared = 0; ///< s, of it that is compared
+    double turned = 0;   ///< rad, direction of gravity from that of the baseline
+    std::vector<JudgedFeature> features = {}; ///< in the order of all_features(); empty: none
+    std::array<double, readings.size()> outlier_shares{unknown, unknown, unknown, unknown};
+    ChartPoints points = {};
+    Spectrum spectrum = {}; ///< without segments: not computed
+
+    /// Root mean square over that of the baseline.
+    double level_ratio() const;
+    /// Ratios of levels between which no change would be seen in 90 % of passages.
+    double seen_below() const;
+    double seen_above() const;
 };
 
 /// One passage: all sensors of the baseline and of the recordings, in order of their ids.
@@ -49,42 +58,22 @@ struct PassageResult {
 /// The verdict on a passage as a whole: the most serious one of its sensors.
 Verdict verdict_on(const PassageResult& passage);
 
-/// Numbers of passages by verdict.
-struct PassageTally {
-    std::size_t as_baseline = 0, changed = 0, no_train = 0, not_enough_data = 0, time_unknown = 0;
-    void add(Verdict verdict, int count = 1);
-    std::size_t all() const;
-    /// "as the baseline in 15 of 25 passages; 10 not judged: no train".
-    std::string sentence() const;
-    /// "10 not judged: no train"; empty: all were judged.
-    std::string not_judged() const;
-};
-
-/// Compares a passage with the baselines. A sensor has changed if more than `alarm_share` of its
-/// points lie outside the limits. It is as its baseline only if nothing forbids to say so: it has a
+/// Compares a passage with the baselines. Each feature of each sensor is compared with what its own
+/// baseline expects, so that the probability of any alarm in an unchanged passage is at most
+/// `false_alarms` (Holm). A sensor is as its baseline only if nothing forbids to say so: it has a
 /// baseline, quality control accepts its recording, its sampling rate is that of the baseline, few
 /// samples are missing or saturated, enough are without gaps, its recording is not one of the
-/// baseline, and it moved while the others did.
+/// baseline, and it was not turned.
 PassageResult judge_passage(const Passage& passage, const std::vector<SensorBaseline>& baselines,
                             const MonitorSettings& settings);
 
-/// The most serious result of several passages, of all sensors or of one: changed, time unknown,
-/// not enough data, as the baseline, no train; of equals, the one with the largest share of
-/// outliers. Null: there is none.
+/// The most serious result of several passages, of all sensors or of one; of equals, the one with
+/// the least probable deviation. Null: there is none.
 struct MostSerious {
     const PassageResult* passage = nullptr;
     const SensorResult* sensor = nullptr;
 };
 MostSerious most_serious_result(const std::vector<PassageResult>& passages,
                                 std::optional<unsigned> sensor = {});
-
-/// The verdict of the most serious result. If no train passed in any passage, there is not enough
-/// data.
-struct OverallVerdict {
-    Verdict verdict = Verdict::not_enough_data;
-    std::string reason;
-};
-OverallVerdict overall_verdict(const std::vector<PassageResult>& passages,
-                               std::optional<unsigned> sensor = {});
 
 } // namespace bris

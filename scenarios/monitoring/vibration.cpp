@@ -1,13 +1,10 @@
 #include "scenarios/monitoring/vibration.hpp"
 
-#include "engine/signal/spectrum.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace bris {
 
@@ -75,6 +72,7 @@ Vibration vibration_of(const Recording& r, VibrationQuantity quantity, double re
         if (k == 0 || !follows(r, k)) {
             v.runs.emplace_back();
             v.begins.push_back(r.time[k]);
+            v.firsts.push_back(k);
         }
         v.runs.back().push_back(series[k]);
         mean += series[k] / static_cast<double>(series.size());
@@ -84,45 +82,74 @@ Vibration vibration_of(const Recording& r, VibrationQuantity quantity, double re
     return v;
 }
 
-Vibration passing_part(const Vibration& whole, double threshold) {
-    struct Part {
-        std::size_t run, begin, end;
-        bool active;
-    };
-    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(0.25 * whole.rate)));
-    std::vector<Part> windows;
-    for (std::size_t r = 0; r < whole.runs.size(); ++r)
-        for (std::size_t begin = 0; begin < whole.runs[r].size(); begin += length) {
-            const std::size_t end = std::min(begin + length, whole.runs[r].size());
+namespace {
+
+constexpr double window = 0.25; // s
+constexpr double bridged = 0.5; // s of quiet within a train
+
+/// Root mean squares of successive windows of a run; the last one may be longer.
+struct Window {
+    SampleRange samples;
+    double rms;
+};
+std::vector<Window> windows_of(const Vibration& v) {
+    const auto length = static_cast<std::size_t>(std::max(1.0, std::round(window * v.rate)));
+    std::vector<Window> windows;
+    for (std::size_t r = 0; r < v.runs.size(); ++r)
+        for (std::size_t begin = 0; begin < v.runs[r].size(); begin += length) {
+            const std::size_t end = std::min(begin + length, v.runs[r].size());
             double squares = 0;
-            for (std::size_t k = begin; k < end; ++k)
-                squares += whole.runs[r][k] * whole.runs[r][k];
-            windows.push_back({r, begin, end,
-                               squares > threshold * threshold * static_cast<double>(end - begin)});
+            for (std::size_t k = begin; k < end; ++k) squares += v.runs[r][k] * v.runs[r][k];
+            windows.push_back({{v.firsts[r] + begin, v.firsts[r] + end},
+                               std::sqrt(squares / static_cast<double>(end - begin))});
         }
-    const auto first = std::ranges::find_if(windows, &Part::active);
-    const auto last =
-        std::find_if(windows.rbegin(), windows.rend(), [](const Part& w) { return w.active; });
-    Vibration part = whole;
-    part.runs.clear();
-    part.begins.clear();
-    double squares = 0;
-    std::size_t samples = 0;
-    for (auto w = first; w < last.base(); ++w) {
-        const auto& run = whole.runs[w->run];
-        if (w == first || (w - 1)->run != w->run) {
-            part.runs.emplace_back();
-            part.begins.push_back(whole.begins[w->run] +
-                                  static_cast<double>(w->begin) / whole.rate);
-        }
-        for (std::size_t k = w->begin; k < w->end; ++k) {
-            part.runs.back().push_back(run[k]);
-            squares += run[k] * run[k];
-        }
-        samples += w->end - w->begin;
+    return windows;
+}
+
+} // namespace
+
+std::vector<SampleRange> active_ranges(const Vibration& v, double presence, double share) {
+    const std::vector<Window> windows = windows_of(v);
+    std::vector<double> above;
+    for (const Window& w : windows)
+        if (w.rms > presence) above.push_back(w.rms);
+    if (above.empty()) return {};
+    const auto loud = above.begin() + static_cast<std::ptrdiff_t>(9 * (above.size() - 1) / 10);
+    std::ranges::nth_element(above, loud);
+    const auto most = static_cast<std::size_t>(bridged * v.rate);
+    std::vector<SampleRange> ranges;
+    for (const Window& w : windows) {
+        if (!(w.rms > share * *loud)) continue;
+        const bool in_one_run = std::ranges::none_of(v.firsts, [&](std::size_t first) {
+            return !ranges.empty() && first >= ranges.back().end && first <= w.samples.begin;
+        });
+        if (!ranges.empty() && in_one_run && w.samples.begin - ranges.back().end <= most)
+            ranges.back().end = w.samples.end;
+        else
+            ranges.push_back(w.samples);
     }
-    part.rms = samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0;
-    return part;
+    return ranges;
+}
+
+std::vector<SampleRange> whole_ranges(const Vibration& v) {
+    std::vector<SampleRange> ranges;
+    for (std::size_t r = 0; r < v.runs.size(); ++r)
+        ranges.push_back({v.firsts[r], v.firsts[r] + v.runs[r].size()});
+    return ranges;
+}
+
+std::vector<std::vector<double>> runs_in(const Vibration& v,
+                                         const std::vector<SampleRange>& ranges) {
+    std::vector<std::vector<double>> runs;
+    std::size_t r = 0;
+    for (const SampleRange& range : ranges) {
+        while (range.begin >= v.firsts[r] + v.runs[r].size()) ++r;
+        const auto at = [&](std::size_t k) {
+            return v.runs[r].begin() + static_cast<std::ptrdiff_t>(k - v.firsts[r]);
+        };
+        runs.emplace_back(at(range.begin), at(range.end));
+    }
+    return runs;
 }
 
 double rate_per_force(const Recording& r) {
@@ -136,34 +163,6 @@ double rate_per_force(const Recording& r) {
     const double of_rate = squares(r.rate), of_force = squares(r.force);
     return of_rate > 0 && of_force > 0 ? std::sqrt(of_rate / of_force)
                                        : std::numeric_limits<double>::quiet_NaN();
-}
-
-RollPitchYaw rotation_rms(const Recording& r) {
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    std::vector<Quat> attitudes = r.attitude;
-    if (attitudes.empty() && !r.rate.empty()) {
-        const Vec3 bias = mean_of(r.rate, r.rate.size());
-        attitudes.push_back(r.info.attitude());
-        for (std::size_t k = 1; k < r.size(); ++k) {
-            const Vec3 mean = 0.5 * (r.rate[k] + r.rate[k - 1]) - bias;
-            attitudes.push_back(attitudes.back() *
-                                exponential_map((r.time[k] - r.time[k - 1]) * mean));
-        }
-    }
-    if (attitudes.size() < 3) return {nan, nan, nan};
-    // small rotations from the first attitude, so that a tilted rock has no pole nearby
-    std::vector<Quat> turns;
-    for (const Quat& q : attitudes) turns.push_back(q * attitudes.front().conjugate());
-    const auto angles = unwrapped_roll_pitch_yaw(turns);
-    const auto rms = [&](double RollPitchYaw::*angle) {
-        std::vector<double> series;
-        for (const RollPitchYaw& a : angles) series.push_back(a.*angle);
-        detrend(series, Detrend::line);
-        const double squares =
-            std::inner_product(series.begin(), series.end(), series.begin(), 0.0);
-        return std::sqrt(squares / static_cast<double>(series.size()));
-    };
-    return {rms(&RollPitchYaw::roll), rms(&RollPitchYaw::pitch), rms(&RollPitchYaw::yaw)};
 }
 
 } // namespace bris

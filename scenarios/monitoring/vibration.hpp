@@ -1,6 +1,5 @@
 #pragma once
 
-#include "engine/signal/roll_pitch_yaw.hpp"
 #include "scenarios/sensors/recording.hpp"
 
 #include <string>
@@ -20,6 +19,7 @@ Eigen::Index axis_of(VibrationQuantity rate);
 struct Vibration {
     std::vector<std::vector<double>> runs = {}; ///< m/s2, or rad/s
     std::vector<double> begins = {};            ///< s, time of the first sample of each run
+    std::vector<std::size_t> firsts = {};       ///< index of that sample in the recording
     double rate = 0;                            ///< Hz
     double duration = 0;                        ///< s, from the first sample to the last
     double missing = 0;                         ///< share of the samples due in that time
@@ -33,18 +33,25 @@ struct Vibration {
 /// time or its count. The recording must have passed quality control.
 Vibration vibration_of(const Recording& recording, VibrationQuantity quantity, double rest);
 
-/// The part of a vibration in which a train passes: from the first to the last window of 0.25 s
-/// whose root mean square exceeds `threshold` (m/s2, or rad/s). Its rms is that of this part, 0 if
-/// there is none.
-Vibration passing_part(const Vibration& whole, double threshold);
+/// Samples of a recording that are compared: indices from begin to before end, without gaps.
+struct SampleRange {
+    std::size_t begin = 0, end = 0;
+};
+
+/// The windows of 0.25 s in which a train passes, joined where less than 0.5 s lie between them:
+/// those whose root mean square exceeds `share` of that of the loudest tenth of all windows above
+/// `presence` (m/s2, or rad/s). So a train that stops, a second train and a long approach do not
+/// change what is compared, and nor does the level of the whole. Empty: no window is above
+/// `presence`.
+std::vector<SampleRange> active_ranges(const Vibration& vibration, double presence, double share);
+/// All samples, in ranges without gaps.
+std::vector<SampleRange> whole_ranges(const Vibration& vibration);
+/// The series in some ranges.
+std::vector<std::vector<double>> runs_in(const Vibration& vibration,
+                                         const std::vector<SampleRange>& ranges);
 
 /// Root mean square of the angular rate over that of the specific force, each about its mean,
 /// rad/s per m/s2. NaN if one of the two was not recorded or does not vary.
 double rate_per_force(const Recording& recording);
-
-/// Root mean squares (rad) of roll, pitch and yaw about their straight lines of least squares: of
-/// the recorded attitudes, or else of the integrated angular rates less their mean (trapezium rule,
-/// from the attitude of the metadata). NaN if neither was recorded.
-RollPitchYaw rotation_rms(const Recording& recording);
 
 } // namespace bris

@@ -1,0 +1,102 @@
+#include "scenarios/monitoring/comparison.hpp"
+
+#include "engine/estimation/student_t.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace bris {
+
+namespace {
+
+constexpr double heavy = 5; // degrees of freedom of the tails
+const double heavy_scale = std::sqrt((heavy - 2) / heavy);
+constexpr double share_of_level = 0.5;
+constexpr double most_degrees = 1e6;
+
+} // namespace
+
+double p_of_deviation(double t, double degrees) {
+    if (!std::isfinite(t)) return std::isnan(t) ? t : 0;
+    return std::min(1.0, 2 * std::max(student_t_probability(-std::abs(t), degrees),
+                                      student_t_probability(-std::abs(t) / heavy_scale, heavy)));
+}
+
+double deviation_of_p(double p, double degrees) {
+    return -std::min(student_t_quantile(p / 2, degrees),
+                     heavy_scale * student_t_quantile(p / 2, heavy));
+}
+
+std::vector<double> shares_of(const std::vector<bool>& is_judged, std::size_t sensors) {
+    const auto judged = std::ranges::count(is_judged, true);
+    std::vector<double> shares(is_judged.size(), 0.0);
+    const double own = 1 / static_cast<double>(sensors),
+                 first = is_judged.front() ? judged > 1 ? share_of_level : 1 : 0,
+                 others = static_cast<double>(judged - (is_judged.front() ? 1 : 0));
+    for (std::size_t f = 0; f < is_judged.size(); ++f)
+        if (is_judged[f]) shares[f] = own * (f == 0 ? first : (1 - first) / others);
+    return shares;
+}
+
+std::vector<bool> rejected(const std::vector<double>& p, const std::vector<double>& shares,
+                           double false_alarms) {
+    std::vector<std::size_t> order;
+    double left = 0; // shares of what is not rejected so far
+    for (std::size_t k = 0; k < p.size(); ++k) {
+        if (shares[k] > 0) left += shares[k];
+        if (shares[k] > 0 && !std::isnan(p[k])) order.push_back(k);
+    }
+    std::ranges::sort(order, {}, [&](std::size_t k) { return p[k] / shares[k]; });
+    std::vector<bool> is_rejected(p.size(), false);
+    for (const std::size_t k : order) {
+        if (!(p[k] <= false_alarms * shares[k] / std::max(left, shares[k]))) break;
+        is_rejected[k] = true;
+        left -= shares[k];
+    }
+    return is_rejected;
+}
+
+double seen_in_90_per_cent(const ExpectedFeature& expected, double p) {
+    return (deviation_of_p(p, expected.degrees) + student_t_quantile(0.9, most_degrees)) *
+           expected.deviation();
+}
+
+Trend trend_of(const std::vector<double>& deviations, const ExpectedFeature& expected,
+               double serial, double between) {
+    Trend trend;
+    std::vector<double> z, at;
+    for (std::size_t k = 0; k < deviations.size(); ++k) {
+        if (!std::isfinite(deviations[k])) continue;
+        z.push_back(deviations[k]);
+        at.push_back(static_cast<double>(k + 1));
+    }
+    trend.passages = z.size();
+    if (z.size() < 2 || !expected.is_known()) return trend;
+    const double squares = std::inner_product(at.begin(), at.end(), at.begin(), 0.0);
+    double of_mean = 0, of_slope = 0, sum = 0; // variances
+    for (std::size_t i = 0; i < z.size(); ++i) {
+        trend.mean += z[i] / static_cast<double>(z.size());
+        trend.slope += at[i] * z[i] / squares;
+        sum += at[i] / squares;
+        for (std::size_t j = 0; j < z.size(); ++j) {
+            const double covariance =
+                (std::pow(serial, std::abs(at[i] - at[j])) + between) / (1 + between);
+            of_mean += covariance / static_cast<double>(z.size() * z.size());
+            of_slope += covariance * at[i] * at[j] / (squares * squares);
+        }
+    }
+    trend.p_mean =
+        p_of_deviation(trend.mean / std::sqrt(of_mean + expected.of_mean), expected.degrees);
+    trend.p_slope = p_of_deviation(trend.slope / std::sqrt(of_slope + sum * sum * expected.of_mean),
+                                   expected.degrees);
+    double by_step = 0, by_slope = 0;
+    for (std::size_t i = 0; i < z.size(); ++i) {
+        by_step += std::pow(z[i] - trend.mean, 2);
+        by_slope += std::pow(z[i] - trend.slope * at[i], 2);
+    }
+    trend.is_slope = by_slope < by_step;
+    return trend;
+}
+
+} // namespace bris

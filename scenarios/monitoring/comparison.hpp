@@ -1,0 +1,46 @@
+#pragma once
+
+#include "scenarios/monitoring/site_model.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace bris {
+
+/// Two-sided probability of a value t standard deviations from the mean of a baseline: by Student's
+/// t, and at least that of tails as heavy as those of Student's t with five degrees of freedom,
+/// since passages scatter so (two values in a hundred lie beyond 2.6 deviations, two in ten
+/// thousand beyond 6.2).
+double p_of_deviation(double t, double degrees);
+/// The t beyond which this probability lies.
+double deviation_of_p(double p, double degrees);
+
+/// Shares of the allowed false alarms of the features of one of `sensors` sensors: half for the
+/// first feature, the level of the vertical, and the rest equally for all others that are judged;
+/// 0: it is not judged.
+std::vector<double> shares_of(const std::vector<bool>& is_judged, std::size_t sensors);
+
+/// Which hypotheses are rejected so that the probability of any wrong one is at most
+/// `false_alarms`, weighted by `shares` (Holm 1979, Scand. J. Stat. 6:65). NaN: not tested.
+std::vector<bool> rejected(const std::vector<double>& p, const std::vector<double>& shares,
+                           double false_alarms);
+
+/// The smallest change of a feature that is seen in 90 % of passages, if a deviation of
+/// probability `p` is seen: of its unit, in one direction.
+double seen_in_90_per_cent(const ExpectedFeature& expected, double p);
+
+/// Several passages beside their baseline, by deviations in standard deviations of a passage, in
+/// order; NaN: not judged.
+struct Trend {
+    std::size_t passages = 0;
+    double mean = 0;  ///< deviations
+    double slope = 0; ///< deviations a passage, from the baseline on
+    double p_mean = 1, p_slope = 1;
+    bool is_slope = false; ///< a straight line from the baseline fits better than a step
+};
+/// `expected`: of these passages, on average; `serial`: correlation of successive passages;
+/// `between`: variance between sessions over that within, of which they are counted as one.
+Trend trend_of(const std::vector<double>& deviations, const ExpectedFeature& expected,
+               double serial, double between);
+
+} // namespace bris
