@@ -5,6 +5,7 @@
 #include "engine/io/whole_file.hpp"
 #include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
+#include "scenarios/records/stated_rate.hpp"
 #include "scenarios/sensors/channels.hpp"
 #include "scenarios/sensors/column_titles.hpp"
 #include "scenarios/sensors/unit_words.hpp"
@@ -45,26 +46,6 @@ struct Match {
     std::string unit_word = ""; ///< as stated; "": not stated
     std::string unit = "";      ///< as column maps spell it; "": not known yet
 };
-
-/// The rate, Hz, in lines such as "data_rate = 2000.0 Hz"; 0: none, or several.
-double rate_stated_in(const Cells& lines, std::size_t end) {
-    double rate = 0;
-    for (std::size_t k = 0; k < end; ++k) {
-        std::string line = lines[k];
-        for (char& c : line) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        const auto word = line.find("rate"), hertz = line.find("hz", word);
-        if (word == std::string::npos || hertz == std::string::npos) continue;
-        const auto from = line.find_first_of("0123456789", word);
-        if (from == std::string::npos || from > hertz) continue;
-        const bool kilo = line[hertz - 1] == 'k';
-        const auto number = number_of(trimmed(line.substr(from, hertz - from - (kilo ? 1 : 0))));
-        if (!number || !(*number > 0)) continue;
-        const double found = *number * (kilo ? 1e3 : 1);
-        if (rate != 0 && rate != found) return 0;
-        rate = found;
-    }
-    return rate;
-}
 
 std::string names_of(const std::vector<ColumnUnit>& units) {
     Cells names;
@@ -185,7 +166,8 @@ private:
             for (std::size_t c = 0; c < columns_.size(); ++c)
                 columns_[c].numbers.push_back(number(numbers[c]).value_or(std::nan("")));
         }
-        evidence_.rate = guess_.rate = rate_stated_in(lines_, k);
+        evidence_.rate = guess_.rate =
+            rate_stated_in({lines_.begin(), lines_.begin() + static_cast<std::ptrdiff_t>(k)});
     }
 
     static std::string without_brackets(const std::string& unit) {

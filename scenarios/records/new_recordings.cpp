@@ -4,6 +4,7 @@
 #include "engine/io/column_map.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/signal/median.hpp"
+#include "scenarios/records/first_force.hpp"
 #include "scenarios/records/guess_columns.hpp"
 #include "scenarios/records/recorded_test.hpp"
 #include "scenarios/sensors/channels.hpp"
@@ -53,36 +54,17 @@ struct FoundForm {
     bool is_guessed = false; ///< now; otherwise by a map that was there
 };
 
-/// Throws InputError unless the guess has the columns that are needed, and one that is measured.
+/// Throws InputError unless the guess has the columns that are needed.
 void require_columns(const fs::path& csv, const std::vector<KnownColumn>& known,
                      const GuessedMap& guess) {
-    const auto is_found = [&](const std::string& name) {
-        return std::ranges::count(guess.found, name) > 0;
-    };
     std::vector<std::string> missing;
     for (const KnownColumn& column : known)
-        if (column.needed && !is_found(column.name)) missing.push_back(column.name);
-    const bool of_sensors = known.front().name == "t";
-    const std::string advice = of_sensors && std::ranges::count(missing, "id") > 0
-                                   ? "; add what is missing, id with a number for each sensor"
-                                   : "; add what is missing, or write a column map by hand";
+        if (column.needed && std::ranges::count(guess.found, column.name) == 0)
+            missing.push_back(column.name);
     require(missing.empty(),
-            fmt::format("{}: expected a column that looks like {}, found none "
-                        "among {}{}",
-                        csv.string(), listed(missing), listed(guess.titles), advice));
-    const bool has_linear = std::ranges::any_of(guess.titles, [](const std::string& title) {
-        return title.find("inear") != std::string::npos;
-    });
-    require(!of_sensors || std::ranges::any_of(all_channels,
-                                               [&](const Channel& channel) {
-                                                   return channel.size() > 1 &&
-                                                          is_found(std::string(channel.column(0)));
-                                               }),
-            fmt::format("{}: expected columns that look like {}, found none among {}{}",
-                        csv.string(), names_of_vectors(" or "), listed(guess.titles),
-                        has_linear
-                            ? "; linear acceleration lacks gravity: export acceleration with it"
-                            : "; rename them, or write a column map by hand"));
+            fmt::format("{}: expected a column that looks like {}, found none among {}; add what "
+                        "is missing, or write a column map by hand",
+                        csv.string(), listed(missing), listed(guess.titles)));
 }
 
 /// The form of the file by the map that is there, which somebody may have corrected, or else by one
@@ -120,25 +102,16 @@ double rate_of(const fs::path& csv, const Recording& recording) {
     return 1 / interval;
 }
 
-/// Median of the first samples of the specific force; zero: none.
-Vec3 first_force(const Recording& recording) {
-    const std::size_t count = std::min<std::size_t>(recording.force.size(), 100);
-    if (count == 0) return Vec3::Zero();
-    return median(std::vector<Vec3>(recording.force.begin(),
-                                    recording.force.begin() + static_cast<std::ptrdiff_t>(count)));
-}
-
 /// Metadata of a sensor as far as its samples show them.
-SensorInfo info_of(const fs::path& csv, const Recording& recording) {
-    SensorInfo info = recording.info;
+SensorInfo info_of(const fs::path& csv, Recording recording) {
+    SensorInfo& info = recording.info;
     info.sampling_rate = rate_of(csv, recording);
     for (const Quat& q : recording.attitude)
         if (std::abs(q.norm() - 1) < 1e-3) {
             info.set_pose(info.position(), q);
             return info;
         }
-    if (const Vec3 up = first_force(recording); up.allFinite() && up.norm() > 0)
-        info.set_pose(info.position(), Quat::FromTwoVectors(up, Vec3::UnitZ()));
+    set_attitude_by_gravity(recording);
     return info;
 }
 
@@ -212,56 +185,123 @@ std::vector<SensorInfo> infos_in(const fs::path& csv, const CsvForm& form) {
     return infos;
 }
 
-} // namespace
+/// Writes the metadata of a sensor. Returns 1 if they are there already and are kept.
+std::size_t write_info(const fs::path& folder, const SensorInfo& info, NewFiles& files) {
+    const fs::path file = folder / fmt::format("rock_{:02}.txt", info.id);
+    if (fs::exists(file)) return 1; // somebody may have completed it
+    write_sensor_info(files.add(file), info);
+    return 0;
+}
 
-std::string write_new_recordings(const NewRecordings& s) {
-    const fs::path of_test = s.folder / folder_of(s.pressure), csv = of_test / "recordings.csv";
-    std::string text, machine;
-    NewFiles files;
-    files.add(csv);
-    if (!s.machine.empty()) files.add(of_test / "test.csv");
-    const fs::path map = s.folder / "columns.txt", machine_map = s.folder / "machine_columns.txt";
-    FileEvidence evidence{.pressure = s.pressure};
-    if (!s.machine.empty())
-        add_evidence(
-            s.machine,
-            form_of(s.machine, machine_columns(), machine_map, evidence, files, machine).form,
-            evidence);
-    const FoundForm found = form_of(s.sensors, recording_columns(), map, evidence, files, text);
-    std::size_t there = 0; // somebody may have completed them
+std::string kept(std::size_t files) {
+    return files == 0
+               ? ""
+               : fmt::format("{} files rock_NN.txt were there already, and are kept.\n", files);
+}
+
+/// The sensors of a file that is copied: writes columns.txt and rock_NN.txt, and returns what to
+/// say.
+std::string copied(const NewRecordings& s, const FileEvidence& evidence, NewFiles& files) {
+    const fs::path &csv = s.sensors.front(), map = s.folder / "columns.txt";
+    std::string text;
+    const FoundForm found = form_of(csv, recording_columns(), map, evidence, files, text);
     std::vector<Recording> recordings;
+    std::size_t there = 0;
     try {
-        recordings = read_recordings(s.sensors, infos_in(s.sensors, found.form), found.form);
-        for (const Recording& r : recordings) {
-            const fs::path file = s.folder / fmt::format("rock_{:02}.txt", r.info.id);
-            if (fs::exists(file))
-                ++there;
-            else
-                write_sensor_info(files.add(file), info_of(s.sensors, r));
-        }
+        recordings = read_recordings(csv, infos_in(csv, found.form), found.form);
+        for (const Recording& r : recordings) there += write_info(s.folder, info_of(csv, r), files);
     } catch (const InputError& e) {
         if (!found.is_guessed) throw;
         files.leave(map);
         throw InputError(fmt::format("{}; the columns are guessed, and {} is kept to be corrected",
                                      e.what(), map.string()));
     }
-    text += doubts(recordings, found.rate, evidence);
-    write_whole(csv, read_whole(s.sensors));
+    text += doubts(recordings, found.rate, evidence) + kept(there);
+    write_whole(s.folder / folder_of(s.pressure) / "recordings.csv", read_whole(csv));
+    text += fmt::format(
+        "{} sensors; sampling rates are from the times, attitudes at the start {}.\n",
+        recordings.size(),
+        from_samples(recordings) ? "from qw qx qy qz in the first sample"
+                                 : "from the direction of gravity in the first samples");
+    return text;
+}
+
+/// The sensors of files of a logger: writes their samples and rock_NN.txt, and returns what to say.
+std::string converted(const NewRecordings& s, NewFiles& files) {
+    require(!fs::exists(s.folder / "columns.txt"),
+            fmt::format("--new: expected a folder without columns.txt, which would be taken for "
+                        "that of the converted files, found '{}'",
+                        (s.folder / "columns.txt").string()));
+    std::vector<Recording> all;
+    std::string text;
+    std::size_t with_dates = 0; // such files keep their times relative to each other
+    for (const fs::path& file : s.sensors) {
+        LoggerFile read = read_logger_file(file, s.logger);
+        with_dates += static_cast<std::size_t>(read.is_absolute);
+        text += fmt::format("{}:\n", file.filename().string());
+        for (const std::string& note : read.notes) text += "  " + note + "\n";
+        if (!read.is_absolute) begin_at_zero(read.recordings);
+        for (Recording& r : read.recordings) {
+            require(std::ranges::find(all, r.info.id,
+                                      [](const Recording& other) { return other.info.id; }) ==
+                        all.end(),
+                    fmt::format("{}: expected other sensors than in the files before, found {} "
+                                "again; name each file after its sensor, such as sensor_2.csv",
+                                file.string(), r.info.id));
+            all.push_back(std::move(r));
+        }
+    }
+    require(with_dates == 0 || with_dates == s.sensors.size(),
+            "--new: expected dates in all files or in none, found both");
+    begin_at_zero(all);
+    std::size_t there = 0;
+    for (const Recording& r : all) there += write_info(s.folder, r.info, files);
+    write_recordings(s.folder / folder_of(s.pressure) / "recordings.csv", all, {});
+    return text + kept(there) + fmt::format("{} sensors; times begin at 0.\n", all.size());
+}
+
+} // namespace
+
+bool is_described_by_map(const NewRecordings& s) {
+    if (s.sensors.size() != 1 || s.logger.rate > 0 || !s.logger.axes.empty() ||
+        !s.logger.columns.empty())
+        return false;
+    if (fs::exists(s.folder / "columns.txt")) return true; // somebody may have completed it
+    try {
+        const GuessedMap guess = guess_columns(s.sensors.front(), recording_columns());
+        const auto has = [&](const std::string& name) {
+            return std::ranges::count(guess.found, name) > 0;
+        };
+        return has("t") && has("id") && std::ranges::any_of(all_channels, [&](const Channel& c) {
+                   return c.size() > 1 && has(std::string(c.column(0)));
+               });
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+std::string write_new_recordings(const NewRecordings& s) {
+    const fs::path of_test = s.folder / folder_of(s.pressure),
+                   machine_map = s.folder / "machine_columns.txt";
+    std::string text, machine;
+    NewFiles files;
+    files.add(of_test / "recordings.csv");
+    if (!s.machine.empty()) files.add(of_test / "test.csv");
+    FileEvidence evidence{.pressure = s.pressure};
+    if (!s.machine.empty())
+        add_evidence(
+            s.machine,
+            form_of(s.machine, machine_columns(), machine_map, evidence, files, machine).form,
+            evidence);
+    text += is_described_by_map(s) ? copied(s, evidence, files) : converted(s, files);
     if (!s.machine.empty()) write_whole(of_test / "test.csv", read_whole(s.machine));
     files.keep();
-    if (there > 0)
-        text += fmt::format("{} files rock_NN.txt were there already, and are kept.\n", there);
-    text +=
-        fmt::format("{} sensors; sampling rates are from the times, attitudes at the start "
-                    "{}.\n{}",
-                    recordings.size(),
-                    from_samples(recordings) ? "from qw qx qy qz in the first sample"
-                                             : "from the direction of gravity in the first samples",
-                    machine);
+    text += machine;
     text += fmt::format(
         "Still to be given in {}: rock_NN.txt: positions x y z, yaw, and the noise "
-        "of your sensors; columns.txt: what is wrong in it{}.\n",
+        "of your sensors{}{}.\n",
         s.folder.string(),
+        fs::exists(s.folder / "columns.txt") ? "; columns.txt: what is wrong in it" : "",
         s.machine.empty()
             ? fmt::format("; {}/test.csv, the records of the test machine", folder_of(s.pressure))
             : "");

@@ -45,6 +45,17 @@ SensorInfo with_units_of(SensorInfo info, const CsvForm& form) {
     return info;
 }
 
+/// Significant digits with which the latest times are exact to a hundredth of an interval; at
+/// least 7.
+int digits_for(const std::vector<Recording>& recordings) {
+    double intervals = 1;
+    for (const Recording& r : recordings)
+        for (const double t : r.time)
+            if (std::isfinite(t))
+                intervals = std::max(intervals, std::abs(t) * r.info.sampling_rate);
+    return static_cast<int>(std::clamp(std::ceil(std::log10(100 * intervals)), 7.0, 15.0));
+}
+
 /// The columns of all recordings, read row by row.
 class Columns {
 public:
@@ -128,7 +139,7 @@ void write_recordings(const std::filesystem::path& csv, const std::vector<Record
             rows.push_back(std::move(row));
         }
     std::ranges::stable_sort(rows, {}, [](const auto& row) { return row[0]; });
-    write_csv(csv, names, rows, comments, 7);
+    write_csv(csv, names, rows, comments, digits_for(recordings));
 }
 
 std::vector<Recording> read_recordings(const std::filesystem::path& csv,

@@ -9,6 +9,7 @@
 #include "engine/random.hpp"
 #include "scenarios/ballast_box/train.hpp"
 #include "scenarios/records/guess_columns.hpp"
+#include "scenarios/records/logger_file.hpp"
 #include "scenarios/records/machine_hdf5.hpp"
 #include "scenarios/records/recorded_test.hpp"
 #include "scenarios/rocks/clump_library.hpp"
@@ -24,6 +25,7 @@
 #include "scenarios/stream/stream_log.hpp"
 #include "systems/fields/vdb_file.hpp"
 #include "tests/engine/io/encoded.hpp"
+#include "tests/scenarios/records/logged.hpp"
 
 #include <fmt/format.h>
 
@@ -75,6 +77,29 @@ Texts foreign_files(const fs::path&, const fs::path&) {
         "0;1;0,01;0,02;-0,99;0,1;a\n5;1;0,01;0,02;-0,99;0,1;\n",
         testing::encoded("t,id,ax,ay,az\n1,2,0,0,9.8\n2,2,0,0,9.8\n", "UTF-16LE"),
         "time,id,ax,ay,az,temp\n,,m/s2,m/s2,m/s2,C\n0.5,2,0,0,9.8,20\n1.0,2,0,0,9.8,20\n"};
+}
+
+Texts logger_files_of_all_forms(const fs::path&, const fs::path&) {
+    using testing::Logged;
+    Texts texts{"// Update Rate: 100.0Hz\nPacketCounter\tYear\tAcc_X\tAcc_Y\tAcc_Z\n"
+                "65534\t\t0.1\t0.2\t9.8\n65535\t\t0.1\t0.2\t9.8\n0\t\t0.1\t0.2\t9.8\n",
+                "1643200000000,S1:,0.01,0.03,0.99\n1643200000005,S2:,0.02,0.02,1.01\n"
+                "1643200000010,S1:,0.02,0.02,1.01\n1643200000015,S2:,0.02,0.02,1.01\n"};
+    for (const Logged& form :
+         {Logged{',', '.', "date", "g", "deg/s", true}, Logged{';', ',', "ms", "?", "", true},
+          Logged{'\t', '.', "count", "mg", "rad/s", true},
+          Logged{' ', '.', "epoch ns", "?", "", true},
+          Logged{';', '.', "day and time", "g", "", true}})
+        texts.push_back(testing::logged_text(form, 8));
+    return texts;
+}
+
+void read_logger_recordings(const fs::path& file) {
+    const LoggerFile read = read_logger_file(file, {.rate = 200, .axes = "", .columns = {}});
+    for (const Recording& r : read.recordings)
+        if (r.size() < 2 || !(r.info.sampling_rate > 0) ||
+            (!r.force.empty() && r.force.size() != r.size()))
+            throw std::logic_error("a sample is incomplete");
 }
 
 Texts payloads(const fs::path&, const fs::path&) {
@@ -290,6 +315,7 @@ constexpr std::array readers{
                  [](const fs::path& file) { (void)read_recordings(file, sensors()); }},
     FuzzedReader{"guess", ".csv", foreign_files,
                  [](const fs::path& file) { (void)guess_columns(file, recording_columns()); }},
+    FuzzedReader{"logger", ".csv", logger_files_of_all_forms, read_logger_recordings},
     FuzzedReader{"sensor", ".txt",
                  [](const fs::path& assets, const fs::path&) -> Texts {
                      return {read_whole(assets / "smartrock/rock_01.txt")};

@@ -242,7 +242,7 @@ TEST_SUITE("sensors/recordings_scenario") {
         const Outcome prose =
             run_process({"recordings", "--new", folder / "prose.csv", "--out", folder / "out"});
         CHECK(prose.code == 2);
-        CHECK(has(prose.err, "expected a line of column names above lines of numbers"));
+        CHECK(has(prose.err, "expected lines of numbers separated by commas"));
     }
 
     TEST_CASE("the unit of time that a header states is the unit: the sampling rate is right") {
@@ -262,67 +262,23 @@ TEST_SUITE("sensors/recordings_scenario") {
         }
     }
 
-    TEST_CASE("files of loggers and machines that are not read yet are refused in one line with "
-              "their columns and what to add") {
+    TEST_CASE("files without what is needed are refused in one line with their columns and what to "
+              "add") {
         const TemporaryDirectory folder;
         struct Foreign {
             std::string name, text;
             std::vector<const char*> said;
         };
         const std::vector<Foreign> all{
-            {"one_axis.csv",
-             "Time (-),ACC01_z [g],FRC-01 [kN],INC01 [deg]\n"
-             "2022-11-04 08:36:24.897,0.00000000,230.3573,0.008000\n"
-             "2022-11-04 08:36:24.907,0.00004794,230.8697,0.008000\n",
-             {"looks like t, id, found none among \"Time (-)\" (no numbers), \"ACC01_z [g]\"",
-              "add what is missing"}},
-            {"no_header.csv",
-             "1643200000000,S1:,0.01,0.03,0.99\n1643200000004,S2:,0.02,0.02,1.01\n",
-             {"expected a line of column names", "begin with \"1643200000000,S1:", "add one"}},
-            {"rate.csv",
-             "# Logger data\n# Config: data_rate = 2000.0 Hz, acc_range = 4 g\n"
-             "csvline, accX_g, accY_g, accZ_g, gyrX_dps, gyrY_dps, gyrZ_dps\n"
-             "0,-0.00097,0.02888,1.00401,0.861,-1.484,-0.913\n"
-             "1,0.00738,0.02299,1.00925,1.259,0.659,0.731\n",
-             {"looks like t, id, found none among \"csvline\", \"accX_g\""}},
             {"machine.csv",
              "Time [s];Load [kN];Displacement [mm];Volume change [ml]\n"
              "0,000;0,110;0,000;0,000\n12,000;1,105;0,030;0,380\n",
-             {"looks like id, found none among \"Time [s]\", \"Load [kN]\", \"Displacement "
-              "[mm]\""}},
-            {"phyphox.csv",
-             "\"Time (s)\",\"Acceleration x (m/s^2)\",\"Acceleration y (m/s^2)\","
-             "\"Acceleration z (m/s^2)\",\"Absolute acceleration (m/s^2)\"\n"
-             "0.000000000E+00,-5.89E-02,2.42E-01,9.843473446E+00,9.846638742E+00\n"
-             "5.000000000E-03,-4.11E-02,2.90E-01,9.789824196E+00,9.794230019E+00\n",
-             {"looks like id, found none among \"Time (s)\"", "id with a number for each sensor"}},
-            {"linear.csv",
-             "\"Time (s)\";\"Id\";\"Linear Acceleration x (m/s^2)\";"
-             "\"Linear Acceleration y (m/s^2)\";\"Linear Acceleration z (m/s^2)\"\n"
-             "0,00E+00;1;-5,506E-03;3,512E-01;6,371E-02\n5,00E-03;1;5,164E-02;2,993E-01;-2,35E-"
-             "02\n",
-             {"found none among", "linear acceleration lacks gravity"}},
-            {"nanoseconds.csv",
-             "time,seconds_elapsed,z,y,x\n"
-             "1718600000000000000,0.000000000,9.866262171,0.305691127,-0.052079131\n"
-             "1718600000005000000,0.005000000,9.895091230,0.374294856,0.030029265\n",
-             {"looks like id, found none among \"time\", \"seconds_elapsed\", \"z\""}},
-            {"names.csv",
-             " Time ,Sensor,X-Axis,Y-Axis,Z-Axis\n1641800000000.00,S1:,-0.01,0.02,1.00\n"
-             "1641800000005.00,S2:,0.01,0.03,1.01\n",
-             {"looks like id, found none among \"Time\", \"Sensor\" (no numbers)"}},
-            {"xsens.txt",
-             "// General information: \n//  Update Rate: 100.0Hz\n"
-             "PacketCounter\tSampleTimeFine\tYear\tAcc_X\tAcc_Y\tAcc_Z\tGyr_X\tGyr_Y\tGyr_Z\n"
-             "40000\t\t\t0.03\t0.28\t9.87\t0.034\t-0.014\t-0.031\n"
-             "40001\t\t\t0.04\t0.33\t10.06\t-0.020\t0.015\t-0.043\n",
-             {"looks like t, id, found none among \"PacketCounter\""}},
-            {"blanks.csv",
-             "x y z\n0.033 0.293 9.783\n0.107 0.281 9.924\n",
-             {"looks like t, id, found none among \"x\", \"y\", \"z\""}},
+             {"expected columns of accelerations", "found the columns \"Time [s]\", \"Load [kN]\"",
+              "add --axes"}},
             {"xyz.csv",
              "ax,ay,az\n0.007313,0.301245,9.797366\n0.107054,0.347431,9.952947\n",
-             {"looks like t, id, found none among \"ax\", \"ay\", \"az\""}},
+             {"expected a column of times or a sampling rate",
+              "among the columns \"ax\", \"ay\", \"az\"", "add --rate HZ"}},
             {"still.csv",
              "t [s],id,ax,ay,az\n5,1,0,0,9.81\n5,1,0,0,9.81\n",
              {"sensor 1: expected times that advance by more than 1e-06 s, found intervals of 0 "
@@ -347,6 +303,51 @@ TEST_SUITE("sensors/recordings_scenario") {
                          folder / "machine.csv", "--out", folder / "out"});
         CHECK(has(machine.err, "looks like axial_strain, deviatoric_stress_Pa, found none among "
                                "\"Time [s]\", \"Load [kN]\""));
+    }
+
+    TEST_CASE("files of a logger become a track's folder of passages, which is judged without a "
+              "test machine, or a test if its pressure is given") {
+        const TemporaryDirectory folder;
+        const auto text = [](int shift) {
+            std::string rows = "x y z\n";
+            for (int k = 0; k < 300; ++k)
+                rows += fmt::format("{:.4f} 0.3 {:.4f}\n", 1e-3 * std::sin(0.3 * k + shift),
+                                    9.8 + 1e-3 * std::sin(0.7 * k + shift));
+            return rows;
+        };
+        const fs::path first = folder / "sensor_1.csv", second = folder / "sensor_2.csv";
+        write_whole(first, text(0));
+        write_whole(second, text(1));
+        const Outcome made = run_process(
+            {"recordings", "--new", first, second, "--rate", "200", "--out", folder / "track"});
+        CAPTURE(made.err);
+        REQUIRE(made.code == 0);
+        CHECK(has(made.out, "sensor_2.csv: The file is of one sensor, 2, by its name."));
+        CHECK(read_sensor_info(folder / "track/rock_02.txt").sampling_rate == about(200));
+        const auto infos = read_sensor_infos(folder / "track");
+        const auto back = read_recordings(folder / "track/sensor_2/recordings.csv", infos);
+        CHECK(back[1].size() == 300);
+        CHECK(back[1].time.back() == about(299 / 200.0));
+        const Outcome judged =
+            run_process({"recordings", folder / "track", "--out", folder / "judged"});
+        CAPTURE(judged.err);
+        REQUIRE(judged.code == 0);
+        CHECK(has(judged.out, "Sensor 1: accepted in 1 of 1 passages."));
+        CHECK(
+            has(read_whole(folder / "judged/quality_control.txt"), "sensor_2\nsensor 2: accepted"));
+        const Outcome again =
+            run_process({"recordings", "--new", first, "--rate", "200", "--out", folder / "track"});
+        CHECK(again.code == 2);
+        CHECK(has(again.err, "expected a folder without recordings"));
+        const Outcome test = run_process({"recordings", "--new", first, second, "--rate", "200",
+                                          "--axes", "ax=3, ay=1, az=2", "--confining-pressure",
+                                          "110e3", "--out", folder / "test"});
+        CAPTURE(test.err);
+        REQUIRE(test.code == 0);
+        const auto of_test = read_recordings(folder / "test/110kPa/recordings.csv",
+                                             read_sensor_infos(folder / "test"));
+        REQUIRE(of_test.size() == 2);
+        CHECK(of_test[1].force[0].x() == doctest::Approx(9.8).epsilon(1e-3));
     }
 
     TEST_CASE("a unit that is not known is asked: the guessed map is kept, and read when it is "
