@@ -135,13 +135,13 @@ void judge_test(const Judged& s, double pressure, const std::vector<SensorInfo>&
 }
 
 /// In how many passages a sensor recorded, and in how many of these it is accepted.
-struct PassageTally {
+struct SensorTally {
     std::size_t recorded = 0, accepted = 0;
     std::string first; ///< refusal
 };
 
 /// Judges one passage, and returns its part of the report.
-std::string judge_passage(const Passage& passage, std::map<unsigned, PassageTally>& tallies) {
+std::string judge_passage(const Passage& passage, std::map<unsigned, SensorTally>& tallies) {
     std::vector<Recording> with_samples;
     std::string without;
     for (const Recording& r : passage.recordings) {
@@ -153,7 +153,7 @@ std::string judge_passage(const Passage& passage, std::map<unsigned, PassageTall
     }
     const auto findings = check_recordings(with_samples, Vec3(0, 0, -standard_gravity));
     for (const Recording& r : with_samples) {
-        PassageTally& tally = tallies[r.info.id];
+        SensorTally& tally = tallies[r.info.id];
         ++tally.recorded;
         const auto refusal = std::ranges::find_if(findings, [&](const Finding& f) {
             return f.sensor == r.info.id && f.kind == Finding::Kind::refusal;
@@ -168,7 +168,7 @@ std::string judge_passage(const Passage& passage, std::map<unsigned, PassageTall
 
 /// Judges the passages of a track's folder: how many of them each sensor recorded well.
 void judge_track(const Judged& s, const Common& common) {
-    std::map<unsigned, PassageTally> tallies;
+    std::map<unsigned, SensorTally> tallies;
     std::size_t passages = 0;
     std::string report;
     for_each_passage(s.recordings, s.quality_control.columns, "--recordings",
@@ -227,9 +227,10 @@ std::vector<std::filesystem::path> new_files(const std::string& text) {
     return files;
 }
 
-/// Converts files of a logger to passages, each in a folder of its own.
-void write_track(const Judged& s, const std::vector<std::filesystem::path>& files,
-                 const Common& common) {
+/// Converts files of a logger to passages, each in a folder of its own. Returns what was assumed
+/// and written.
+std::string write_track(const Judged& s, const std::vector<std::filesystem::path>& files,
+                        const Common& common) {
     std::vector<std::string> notes;
     std::set<unsigned> ids;
     std::string written;
@@ -249,9 +250,12 @@ void write_track(const Judged& s, const std::vector<std::filesystem::path>& file
     };
     for_each_logged_passage(files, s.logger, {.every_recording_holds_a_train = true}, "--new", take,
                             notes);
-    for (const std::string& note : notes) fmt::print("{}\n", note);
-    fmt::print("{}Still to be given in {}: rock_NN.txt: mounting and ranges of your sensors.\n",
-               written, common.out.string());
+    std::string text;
+    for (const std::string& note : notes) text += note + "\n";
+    return text + written +
+           fmt::format(
+               "Still to be given in {}: rock_NN.txt: mounting and ranges of your sensors.\n",
+               common.out.string());
 }
 
 void run(Judged s, const Common& common) {
@@ -270,9 +274,8 @@ void run(Judged s, const Common& common) {
                                 .pressure = s.pressures.empty() ? 55e3 : s.pressures.front(),
                                 .folder = common.out,
                                 .logger = s.logger};
-    if (s.machine.empty() && s.pressures.empty() && !is_described_by_map(of_test))
-        return write_track(s, files, common);
-    fmt::print("{}", write_new_recordings(of_test));
+    const bool is_track = s.machine.empty() && s.pressures.empty() && !is_described_by_map(of_test);
+    fmt::print("{}", is_track ? write_track(s, files, common) : write_new_recordings(of_test));
 }
 
 /// The words of a command line, where the folder may be the first word without its option, and the

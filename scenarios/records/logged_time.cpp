@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <optional>
 
@@ -72,18 +73,26 @@ private:
         if (!sample_[c].has_numbers()) return;
         if (!table_.titles.empty()) {
             const auto match = match_title(table_.titles[c], column_of_times());
-            const bool is_unstated = plain_time(table_.titles[c]);
-            if (match || is_unstated) add(c, match ? match->unit_word.value_or("") : "");
+            if (match || may_be_time(table_.titles[c]))
+                add(c, match ? match->unit_word.value_or("") : unit_in(table_.titles[c]));
         } else if (share_that_advances(sample_[c].numbers, sensor_) > 0.9) {
             add(c, "");
         }
     }
 
-    /// "Time (-)"
-    static bool plain_time(std::string title) {
-        const auto open = title.find_first_of("([");
-        return open != std::string::npos && title.find("-)", open) != std::string::npos &&
-               match_title(title.substr(0, open), column_of_times()).has_value();
+    /// Titles that are no usual names of times, but hold one: "Time (-)", "epoch (ms)",
+    /// "Shimmer_AB_Timestamp_Unix_CAL".
+    static bool may_be_time(std::string title) {
+        for (char& c : title) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return title.starts_with("time (-)") || title.starts_with("epoc") ||
+               title.starts_with("elapsed") || title.find("timestamp") != std::string::npos;
+    }
+
+    /// The unit in the brackets of a title; "": none.
+    static std::string unit_in(const std::string& title) {
+        const auto open = title.find_last_of("(["), close = title.find_last_of(")]");
+        if (open == std::string::npos || close == std::string::npos || close < open) return {};
+        return unit_named(title.substr(open + 1, close - open - 1), column_of_times().units);
     }
 
     void add(std::size_t c, std::string word) {

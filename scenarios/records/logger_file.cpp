@@ -56,7 +56,7 @@ private:
         columns_ = find_logger_columns(table, settings_, result_.notes);
         require(columns_.form != LoggedTime::none || columns_.rate > 0,
                 fmt::format("{}: expected a column of times or a sampling rate, found neither "
-                            "among {}; add --rate HZ",
+                            "among {}; add --rate HZ, or write dates as 2024-05-07 10:00:00.005",
                             path_.string(), table.columns()));
         return read_logged_rows(table, columns_, result_.notes);
     }

@@ -141,6 +141,11 @@ std::optional<AxisTitle> axis_title(const std::string& title) {
         return axis_of(word) || is_digit(word[0]) || is_one_of(beside_axes, word);
     });
     if (found.is_bare && !is_only_axis) return {};
+    if (found.is_bare &&
+        !unit_named(found.unit_word, channel_of(&Recording::rate).column_units()).empty()) {
+        found.is_rate = true; // "x-axis (deg/s)"
+        found.is_bare = false;
+    }
     return found;
 }
 

@@ -24,7 +24,7 @@ const std::vector<Spellings>& spellings() {
         {"ns", {"nsec", "nanos", "nanosecond", "nanoseconds"}},
         {"min", {"mins", "minute", "minutes"}},
         {"h", {"hr", "hrs", "hour", "hours"}},
-        {"m/s2", {"m/s/s", "ms-2", "m/sec2", "mps2", "mpss"}},
+        {"m/s2", {"m/s/s", "m/(s2)", "ms-2", "m/sec2", "mps2", "mpss"}},
         {"g", {"G", "gn", "g0", "gs"}},
         {"mg", {"mG"}},
         {"rad/s", {"rads-1", "rad/sec", "radian/s", "radians/s", "radians/sec"}},

@@ -90,7 +90,7 @@ Texts logger_files_of_all_forms(const fs::path&, const fs::path&) {
           Logged{'\t', '.', "count", "mg", "rad/s", true},
           Logged{' ', '.', "epoch ns", "?", "", true},
           Logged{';', '.', "day and time", "g", "", true}})
-        texts.push_back(testing::logged_text(form, 8));
+        texts.push_back(testing::logged_text(form, 40));
     return texts;
 }
 

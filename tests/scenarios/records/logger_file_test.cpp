@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <functional>
 
 using namespace bris;
 using testing::Logged;
@@ -402,6 +403,62 @@ TEST_SUITE("records/logger_file") {
         REQUIRE(two.recordings.size() == 2);
         CHECK(two.recordings[1].info.id == 2);
         CHECK(two.recordings[1].force[0].z() == about(standard_gravity));
+    }
+
+    TEST_CASE("files of other makes are read by their titles: prefixes, lines of units, comments "
+              "and several clocks") {
+        const auto z = [](int k) { return 1 + 0.1 * shake(k); };
+        struct Make {
+            std::string head;
+            std::function<std::string(int)> row;
+            double rate;
+            bool is_absolute;
+        };
+        const std::vector<Make> makes{
+            {"sep=\\t\nShimmer_AB_Timestamp_Unix_CAL\tShimmer_AB_Accel_LN_X_CAL\t"
+             "Shimmer_AB_Accel_LN_Y_CAL\tShimmer_AB_Accel_LN_Z_CAL\nms\tm/(s^2)\tm/(s^2)\t"
+             "m/(s^2)\n",
+             [&](int k) {
+                 return fmt::format("{}\t0.5\t0\t{}\t", 1715076000000 + 7.8125 * k, 9.8 * z(k));
+             },
+             128, true},
+            {"epoch (ms),time (02:00),elapsed (s),x-axis (g),y-axis (g),z-axis (g)\n",
+             [&](int k) {
+                 return fmt::format("{},x,{},0.05,0,{}", 1715076000000 + 10 * k, 0.01 * k, z(k));
+             },
+             100, true},
+            {"time,gFx,gFy,gFz,TgF\n",
+             [&](int k) { return fmt::format("{},0.05,0,{},1", 0.01 * k, z(k)); }, 100, false},
+            {"loggingTime(txt),accelerometerAccelerationX(G),accelerometerAccelerationY(G),"
+             "accelerometerAccelerationZ(G),motionUserAccelerationX(G)\n",
+             [&](int k) {
+                 return fmt::format("2024-05-07T12:00:00.{:03}+02:00,0.05,0,{},0.7", 10 * k, z(k));
+             },
+             100, true},
+            {"% time ax ay az\n% s g g g\n",
+             [&](int k) { return fmt::format("  {}  5.0e-02 0  {}", 0.001 * k, z(k)); }, 1000,
+             false},
+            {"Datum;Beschleunigung X [g];Beschleunigung Y [g];Beschleunigung Z [g]\n",
+             [&](int k) {
+                 return fmt::format("07.05.2024 10:00:00,{:03};0,05;0;{}", 5 * k,
+                                    testing::with_comma(z(k)));
+             },
+             200, true}};
+        for (const Make& make : makes) {
+            CAPTURE(make.head);
+            const auto file = read(make.head + lines(60, make.row));
+            REQUIRE(file.recordings.size() == 1);
+            const Recording& r = file.recordings[0];
+            CHECK(r.info.sampling_rate == about(make.rate).epsilon(1e-4));
+            CHECK(file.is_absolute == make.is_absolute);
+            CHECK(std::abs(r.force[9].x() - 0.5) < 0.02);
+            CHECK(std::abs(r.force[9].z() - 9.8 * z(9)) < 0.02);
+            if (file.is_absolute) CHECK(std::abs(r.time[0] - 1715076000) < 1e-3);
+        }
+        const auto rates =
+            read("t [s],x-axis (deg/s),y-axis (deg/s),z-axis (deg/s)\n" +
+                 lines(20, [](int k) { return fmt::format("{},90,0,0", 0.01 * k); }));
+        CHECK(rates.recordings[0].rate[0].x() == about(pi / 2));
     }
 
     TEST_CASE("damaged files of every form are read or refused, and what is read has as many "
