@@ -268,7 +268,7 @@ void run(Judged s, const Common& common) {
     require(s.pressures.size() <= 1,
             "--confining-pressure: expected one pressure with --new, found several");
     s.logger.columns = s.quality_control.columns;
-    const auto files = new_files(s.sensors);
+    const auto files = logger_files(new_files(s.sensors), "--new");
     const NewRecordings of_test{.sensors = files,
                                 .machine = s.machine,
                                 .pressure = s.pressures.empty() ? 55e3 : s.pressures.front(),

@@ -243,9 +243,11 @@ std::vector<fs::path> logger_files(const std::vector<fs::path>& files_or_folders
         std::ranges::sort(found);
         files.insert(files.end(), found.begin(), found.end());
     }
+    std::vector<std::string> names;
+    for (const fs::path& path : files_or_folders) names.push_back("'" + path.string() + "'");
     require(!files.empty(), fmt::format("{}: expected files of a logger that end with csv, txt, "
-                                        "tsv or log, found none",
-                                        option));
+                                        "tsv or log in {}, found none",
+                                        option, listed(names)));
     return files;
 }
 

@@ -264,7 +264,7 @@ std::string converted(const NewRecordings& s, NewFiles& files) {
 
 bool is_described_by_map(const NewRecordings& s) {
     if (s.sensors.size() != 1 || s.logger.rate > 0 || !s.logger.axes.empty() ||
-        !s.logger.columns.empty())
+        !s.logger.columns.empty() || fs::is_directory(s.sensors.front()))
         return false;
     if (fs::exists(s.folder / "columns.txt")) return true; // somebody may have completed it
     try {

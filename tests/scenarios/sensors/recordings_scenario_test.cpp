@@ -332,6 +332,14 @@ TEST_SUITE("sensors/recordings_scenario") {
             run_process({"recordings", folder / "track", "--out", folder / "judged"});
         CAPTURE(judged.err);
         REQUIRE(judged.code == 0);
+        fs::create_directories(folder / "raw");
+        for (const fs::path& file : {first, second}) fs::copy(file, folder / "raw");
+        const Outcome by_folder = run_process(
+            {"recordings", "--new", folder / "raw", "--rate", "200", "--out", folder / "all"});
+        CAPTURE(by_folder.err);
+        CHECK(by_folder.code == 0);
+        CHECK(read_whole(folder / "all/sensor_2/recordings.csv") ==
+              read_whole(folder / "track/sensor_2/recordings.csv"));
         CHECK(has(judged.out, "Sensor 1: accepted in 1 of 1 passages."));
         CHECK(
             has(read_whole(folder / "judged/quality_control.txt"), "sensor_2\nsensor 2: accepted"));
