@@ -2,12 +2,15 @@
 // a baseline and writes one page with the verdict.
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/io/csv.hpp"
 #include "engine/not_judged.hpp"
 #include "engine/report.hpp"
 #include "engine/signal/fft.hpp"
+#include "engine/signal/median.hpp"
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
+#include "scenarios/monitoring/power.hpp"
 #include "scenarios/monitoring/publisher.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
@@ -38,6 +41,7 @@ struct Monitor {
     RunBrokerSettings broker;
     double speed = 0;
     std::string required = "nothing";
+    bool plan = false;
 
     void declare_options(auto& option) {
         option.group("Recordings");
@@ -86,6 +90,9 @@ struct Monitor {
                within(2, 3600));
         option.group("Comparison");
         settings.declare_options(option);
+        option("plan", plan, "",
+               "Only say which lasting changes the sensors of --baseline would find: by how many "
+               "sensors, in how many passages.");
         option("require", required, "",
                "all: end with exit code 5 if something that was recorded was not judged.",
                {"nothing", "all"});
@@ -144,6 +151,7 @@ void check(const Monitor& m, const Common& common) {
             "--stream, --recordings: expected one of the two, found both");
     const bool given =
         !m.recordings.empty() || !m.stream.empty() || !m.broker.client.address.empty();
+    if (m.plan && !given && !m.baseline.empty()) return;
     require(given == !m.baseline.empty(),
             fmt::format("--baseline: expected together with --recordings, --stream or --broker, "
                         "found {}",
@@ -178,6 +186,40 @@ AlarmState alarm_state(Verdict verdict) {
                                              : AlarmState::unknown;
 }
 
+/// Which lasting changes would be found, before sensors are installed or trusted.
+void plan(const std::vector<SensorBaseline>& baselines, const MonitorSettings& settings,
+          const Common& common) {
+    const LevelScatter scatter = level_scatter(baselines);
+    Report summary;
+    std::vector<double> deviations;
+    for (const ExpectedFeature& level : scatter.levels) deviations.push_back(level.deviation());
+    summary.add("level_deviation", median(std::move(deviations)));
+    summary.add("correlation_of_sensors", scatter.common);
+    summary.add("correlation_of_passages", scatter.serial);
+    std::vector<std::vector<double>> rows;
+    for (const double ratio : {0.8, 1.25, 1.5, 2.0})
+        for (const std::size_t sensors : {1, 4, 8}) {
+            std::string cells;
+            for (const std::size_t passages : {1, 4, 12}) {
+                const double power =
+                    power_of(scatter, {ratio, sensors, passages, settings.false_alarms});
+                rows.push_back(
+                    {ratio, static_cast<double>(sensors), static_cast<double>(passages), power});
+                cells += fmt::format("{}{:.0f} %", cells.empty() ? "" : ", ", 100 * power);
+            }
+            summary.show_row(
+                fmt::format("{:g} times, {} sensor{}", ratio, sensors, sensors == 1 ? "" : "s"),
+                cells);
+        }
+    write_csv(common.out / "power.csv", {"ratio", "sensors", "passages", "power"}, rows,
+              {"probability that a lasting change of the level beside all sensors is found"}, 4);
+    summary.show({"level_deviation", "correlation_of_sensors"});
+    summary.show_sentence(fmt::format(
+        "Probability to find a change in 1, 4 and 12 passages, at {:g} % false alarms of a run.",
+        100 * settings.false_alarms));
+    report_results(common, summary);
+}
+
 class MonitorRun {
 public:
     MonitorRun(const Monitor& monitor, const Common& common)
@@ -200,6 +242,7 @@ public:
         }
         baseline_ = baseline.string();
         baselines_ = read_baselines(baseline, m_.columns, "--baseline", settings_);
+        if (m_.plan) return plan(baselines_, settings_, common_);
         if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
         log_.emplace(common_.out);
         if (m_.broker.client.address.empty() ? m_.stream.empty() : !m_.recordings.empty())

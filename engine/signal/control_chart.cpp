@@ -131,15 +131,4 @@ ControlChart deviation_chart(Runs baseline, std::size_t n, double width) {
     return {mean_of(logarithms), deviation, width};
 }
 
-bool Ewma::add(double z) {
-    value_ = (1 - weight_) * value_ + weight_ * z;
-    return std::abs(value_) > limit();
-}
-
-bool Cusum::add(double z) {
-    above_ = std::max(0.0, above_ + z - allowance_);
-    below_ = std::max(0.0, below_ - z - allowance_);
-    return above_ > limit_ || below_ > limit_;
-}
-
 } // namespace bris

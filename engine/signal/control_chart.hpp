@@ -49,32 +49,4 @@ ControlChart mean_chart(Runs baseline, std::size_t n, double width, ControlLimit
 /// InputError if the baseline has fewer than two subgroups that vary.
 ControlChart deviation_chart(Runs baseline, std::size_t n, double width);
 
-/// Exponentially weighted moving average of standardised points: y <- (1 - weight) y + weight z,
-/// with the limits of a long series, +- width sqrt(weight / (2 - weight)) (Roberts 1959).
-class Ewma {
-public:
-    Ewma(double weight, double width) : weight_(weight), width_(width) {}
-    /// Adds a point; true: the average is outside its limits.
-    bool add(double z);
-    double value() const { return value_; }
-    double limit() const { return width_ * std::sqrt(weight_ / (2 - weight_)); }
-
-private:
-    double weight_, width_, value_ = 0;
-};
-
-/// Two-sided cumulative sums of standardised points beyond an allowance (Page 1954): above <-
-/// max(0, above + z - allowance), below <- max(0, below - z - allowance).
-class Cusum {
-public:
-    Cusum(double allowance, double limit) : allowance_(allowance), limit_(limit) {}
-    /// Adds a point; true: one of the sums exceeds the limit.
-    bool add(double z);
-    double above() const { return above_; }
-    double below() const { return below_; }
-
-private:
-    double allowance_, limit_, above_ = 0, below_ = 0;
-};
-
 } // namespace bris

@@ -4,28 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace bris {
 
 namespace {
 
-constexpr double heavy = 5; // degrees of freedom of the tails
-const double heavy_scale = std::sqrt((heavy - 2) / heavy);
+constexpr double heavy = 4; // degrees of freedom of the tails, less one for each value
 constexpr double share_of_level = 0.5;
 constexpr double most_degrees = 1e6;
 
 } // namespace
 
-double p_of_deviation(double t, double degrees) {
+double p_of_deviation(double t, double degrees, double values) {
     if (!std::isfinite(t)) return std::isnan(t) ? t : 0;
+    const double tails = heavy + values, scale = std::sqrt((tails - 2) / tails);
     return std::min(1.0, 2 * std::max(student_t_probability(-std::abs(t), degrees),
-                                      student_t_probability(-std::abs(t) / heavy_scale, heavy)));
+                                      student_t_probability(-std::abs(t) / scale, tails)));
 }
 
-double deviation_of_p(double p, double degrees) {
-    return -std::min(student_t_quantile(p / 2, degrees),
-                     heavy_scale * student_t_quantile(p / 2, heavy));
+double deviation_of_p(double p, double degrees, double values) {
+    const double tails = heavy + values, scale = std::sqrt((tails - 2) / tails);
+    return -std::min(student_t_quantile(p / 2, degrees), scale * student_t_quantile(p / 2, tails));
 }
 
 std::vector<double> shares_of(const std::vector<bool>& is_judged, std::size_t sensors) {
@@ -57,8 +56,8 @@ std::vector<bool> rejected(const std::vector<double>& p, const std::vector<doubl
     return is_rejected;
 }
 
-double seen_in_90_per_cent(const ExpectedFeature& expected, double p) {
-    return (deviation_of_p(p, expected.degrees) + student_t_quantile(0.9, most_degrees)) *
+double seen_in_90_per_cent(const ExpectedFeature& expected, double p, double values) {
+    return (deviation_of_p(p, expected.degrees, values) + student_t_quantile(0.9, most_degrees)) *
            expected.deviation();
 }
 
@@ -73,23 +72,32 @@ Trend trend_of(const std::vector<double>& deviations, const ExpectedFeature& exp
     }
     trend.passages = z.size();
     if (z.size() < 2 || !expected.is_known()) return trend;
-    const double squares = std::inner_product(at.begin(), at.end(), at.begin(), 0.0);
-    double of_mean = 0, of_slope = 0, sum = 0; // variances
+    double squares = 0, fourths = 0, sum = 0;
+    for (const double i : at) {
+        squares += i * i;
+        fourths += i * i * i * i;
+        sum += i;
+    }
+    std::vector<double> covariance(deviations.size()); // by lag
+    for (std::size_t lag = 0; lag < covariance.size(); ++lag)
+        covariance[lag] = (std::pow(serial, static_cast<double>(lag)) + between) / (1 + between);
+    const auto n = static_cast<double>(z.size());
+    double of_mean = 0, of_slope = 0; // variances
     for (std::size_t i = 0; i < z.size(); ++i) {
-        trend.mean += z[i] / static_cast<double>(z.size());
+        trend.mean += z[i] / n;
         trend.slope += at[i] * z[i] / squares;
-        sum += at[i] / squares;
         for (std::size_t j = 0; j < z.size(); ++j) {
-            const double covariance =
-                (std::pow(serial, std::abs(at[i] - at[j])) + between) / (1 + between);
-            of_mean += covariance / static_cast<double>(z.size() * z.size());
-            of_slope += covariance * at[i] * at[j] / (squares * squares);
+            const double c = covariance[static_cast<std::size_t>(std::abs(at[i] - at[j]))];
+            of_mean += c / (n * n);
+            of_slope += c * at[i] * at[j] / (squares * squares);
         }
     }
+    trend.variance = of_mean;
     trend.p_mean =
-        p_of_deviation(trend.mean / std::sqrt(of_mean + expected.of_mean), expected.degrees);
-    trend.p_slope = p_of_deviation(trend.slope / std::sqrt(of_slope + sum * sum * expected.of_mean),
-                                   expected.degrees);
+        p_of_deviation(trend.mean / std::sqrt(of_mean + expected.of_mean), expected.degrees, n);
+    trend.p_slope = p_of_deviation(
+        trend.slope / std::sqrt(of_slope + sum * sum / (squares * squares) * expected.of_mean),
+        expected.degrees, squares * squares / fourths);
     double by_step = 0, by_slope = 0;
     for (std::size_t i = 0; i < z.size(); ++i) {
         by_step += std::pow(z[i] - trend.mean, 2);

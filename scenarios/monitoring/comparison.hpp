@@ -8,12 +8,13 @@
 namespace bris {
 
 /// Two-sided probability of a value t standard deviations from the mean of a baseline: by Student's
-/// t, and at least that of tails as heavy as those of Student's t with five degrees of freedom,
-/// since passages scatter so (two values in a hundred lie beyond 2.6 deviations, two in ten
-/// thousand beyond 6.2).
-double p_of_deviation(double t, double degrees);
+/// t, and at least that of tails as heavy as those of passages, taken as Student's t with five
+/// degrees of freedom (two values in a hundred lie beyond 2.6 deviations, two in ten thousand
+/// beyond 6). The mean of `values` passages has their excess of kurtosis over that number, which is
+/// that of 4 + `values` degrees of freedom.
+double p_of_deviation(double t, double degrees, double values = 1);
 /// The t beyond which this probability lies.
-double deviation_of_p(double p, double degrees);
+double deviation_of_p(double p, double degrees, double values = 1);
 
 /// Shares of the allowed false alarms of the features of one of `sensors` sensors: half for the
 /// first feature, the level of the vertical, and the rest equally for all others that are judged;
@@ -26,15 +27,16 @@ std::vector<bool> rejected(const std::vector<double>& p, const std::vector<doubl
                            double false_alarms);
 
 /// The smallest change of a feature that is seen in 90 % of passages, if a deviation of
-/// probability `p` is seen: of its unit, in one direction.
-double seen_in_90_per_cent(const ExpectedFeature& expected, double p);
+/// probability `p` is seen: of its unit, in one direction. `values`: passages in a mean.
+double seen_in_90_per_cent(const ExpectedFeature& expected, double p, double values = 1);
 
 /// Several passages beside their baseline, by deviations in standard deviations of a passage, in
 /// order; NaN: not judged.
 struct Trend {
     std::size_t passages = 0;
-    double mean = 0;  ///< deviations
-    double slope = 0; ///< deviations a passage, from the baseline on
+    double mean = 0;     ///< deviations
+    double slope = 0;    ///< deviations a passage, from the baseline on
+    double variance = 1; ///< of the mean, over that of a passage
     double p_mean = 1, p_slope = 1;
     bool is_slope = false; ///< a straight line from the baseline fits better than a step
 };

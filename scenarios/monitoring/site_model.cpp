@@ -15,10 +15,12 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 // frozen on synthetic sites (tests/scenarios/monitoring/site_model_test.cpp):
-constexpr double prior_serial = 0.3, prior_weight = 10; // correlation, and passages it counts for
+constexpr double prior_serial = 0.4, prior_weight = 10; // correlation, and passages it counts for
 constexpr double most_serial = 0.9;
 constexpr double most_common = 8; // degrees of freedom of the pooled variance
 constexpr double beyond = 0.1;    // of a number's range
+
+double squared(double x) { return x * x; }
 
 /// Variance of the mean of n successive values over that of one: correlations serial^lag.
 double variance_of_mean(std::size_t n, double serial) {
@@ -92,8 +94,7 @@ struct Pooled {
             n += size;
             squares_of_sizes += size * size;
             between += size * mean * mean;
-            for (const std::size_t row : rows)
-                within += std::pow(residuals[row][feature] - mean, 2);
+            for (const std::size_t row : rows) within += squared(residuals[row][feature] - mean);
         }
         const double groups = static_cast<double>(segments.size()), freedom = n - groups;
         if (groups < 2 || freedom < 3 || !(within > 0)) return;
@@ -144,6 +145,17 @@ std::vector<ExpectedFeature> SensorModel::expected(const PassageCause& cause) co
     for (std::size_t q = 0; q < numbers_.size(); ++q)
         away[static_cast<Eigen::Index>(q)] =
             cause.numbers.at(numbers_[q].name) - numbers_[q].means[c];
+    return expected(of, away);
+}
+
+std::vector<ExpectedFeature> SensorModel::typical() const {
+    const auto most = std::ranges::max_element(
+        conditions_, {}, [](const Condition& c) { return c.scatter.empty() ? 0 : c.rows.size(); });
+    if (most == conditions_.end() || most->scatter.empty()) return {};
+    return expected(*most, Vector::Zero(static_cast<Eigen::Index>(numbers_.size())));
+}
+
+std::vector<ExpectedFeature> SensorModel::expected(const Condition& of, const Vector& away) const {
     const double leverage =
         numbers_.empty() ? 0 : away.dot(inverse_ * away) * (1 + serial_) / (1 - serial_);
     std::vector<ExpectedFeature> all;
@@ -280,13 +292,14 @@ private:
 
     void pool(std::size_t s) {
         const SensorModel& m = models_[s];
-        for (const auto& c : m.conditions_)
+        for (const auto& c : m.conditions_) {
+            const auto segments = segments_of(rows_[s], c.rows);
             for (std::size_t f = 0; f < families_.size(); ++f) {
                 if (!std::isfinite(c.means[f])) continue;
-                const auto segments = segments_of(rows_[s], c.rows);
                 for (const Segment& rows : segments) pooled_.add_segment(m.residuals_, rows, f);
                 pooled_.add_sessions(m.residuals_, segments, f);
             }
+        }
     }
 
     /// The variance within sessions, corrected for the correlation, of each feature.
@@ -317,7 +330,7 @@ private:
                 for (const Segment& rows : segments) {
                     const double mean = mean_over(m.residuals_, rows, f);
                     for (const std::size_t row : rows)
-                        squares += std::pow(m.residuals_[row][f] - mean, 2);
+                        squares += squared(m.residuals_[row][f] - mean);
                 }
                 c.scatter.push_back(
                     {std::isfinite(squares) ? squares / expected * freedom / left : 0, degrees});

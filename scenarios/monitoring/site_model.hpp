@@ -39,6 +39,8 @@ public:
     std::string impossible_because(const PassageCause& cause) const;
     /// In the order of the features. Throws InputError where it is impossible.
     std::vector<ExpectedFeature> expected(const PassageCause& cause) const;
+    /// The same in the condition with most passages, at the mean of the numbers; empty: none.
+    std::vector<ExpectedFeature> typical() const;
     /// Of the baseline.
     std::size_t passages() const { return passages_; }
     std::size_t sessions() const { return sessions_; }
@@ -64,6 +66,7 @@ private:
         std::vector<double> means; // of each condition
     };
     const Condition* condition(const PassageCause& cause) const;
+    std::vector<ExpectedFeature> expected(const Condition& of, const Vector& away) const;
 
     std::size_t passages_ = 0, sessions_ = 0;
     double serial_ = 0, between_ = 0;

@@ -79,6 +79,13 @@ void add_hypotheses(std::vector<Hypothesis>& all, const Course& course, std::siz
     }
 }
 
+/// A level tells more than a spectrum, and that more than a motion; then the less probable one.
+bool tells_more(const Hypothesis& a, const Hypothesis& b) {
+    const auto kind = [](const Hypothesis& h) { return all_features()[h.feature].kind; };
+    if (kind(a) != kind(b)) return kind(a) < kind(b);
+    return a.p / a.share < b.p / b.share;
+}
+
 std::string factor_text(double factor, double difference) {
     return fmt::format("{:.2f} times", std::exp(factor * difference));
 }
@@ -144,8 +151,7 @@ OverallVerdict verdict_without_change(const std::vector<PassageResult>& passages
 }
 
 /// What the levels say, and which lasting change of the level would have been seen.
-void add_level(SensorSummary& s, const Course& course, const SensorBaseline& baseline,
-               std::size_t sensors, double false_alarms) {
+void add_level(SensorSummary& s, const Course& course, std::size_t sensors, double false_alarms) {
     s.judged = course.results.size();
     if (!is_judged(course, 0)) return;
     const ExpectedFeature& expected = course.results.back()->features.front().expected;
@@ -158,12 +164,7 @@ void add_level(SensorSummary& s, const Course& course, const SensorBaseline& bas
         const SensorResult& only = *course.results.back();
         s.level.mean = only.features.front().difference / unit;
     } else {
-        // the variance of a mean, as in trend_of
-        const double serial = baseline.features.serial(), between = baseline.features.between(),
-                     n = static_cast<double>(s.level.passages);
-        double of_mean = 1;
-        for (double lag = 1; lag < n; ++lag) of_mean += 2 * (1 - lag / n) * std::pow(serial, lag);
-        of_run.variance *= (of_mean / n + between) / (1 + between);
+        of_run.variance *= s.level.variance;
         of_run.of_mean *= expected.variance / of_run.variance;
         s.change_a_passage = std::expm1(s.level.slope * unit);
     }
@@ -196,7 +197,7 @@ std::vector<SensorSummary> judge_together(const std::vector<PassageResult>& pass
     std::vector<Hypothesis> all;
     for (std::size_t k = 0; k < sensors.size(); ++k) {
         if (courses[k].results.empty()) continue;
-        add_level(sensors[k], courses[k], *of[k], judged, false_alarms);
+        add_level(sensors[k], courses[k], judged, false_alarms);
         add_hypotheses(all, courses[k], k, judged);
     }
     std::vector<double> p, shares;
@@ -208,8 +209,7 @@ std::vector<SensorSummary> judge_together(const std::vector<PassageResult>& pass
     std::vector<const Hypothesis*> worst(sensors.size(), nullptr);
     for (std::size_t k = 0; k < all.size(); ++k)
         if (is_rejected[k] &&
-            (worst[all[k].sensor] == nullptr ||
-             all[k].p / all[k].share < worst[all[k].sensor]->p / worst[all[k].sensor]->share))
+            (worst[all[k].sensor] == nullptr || tells_more(all[k], *worst[all[k].sensor])))
             worst[all[k].sensor] = &all[k];
     for (std::size_t k = 0; k < sensors.size(); ++k) {
         const bool is_moved = std::ranges::any_of(

@@ -110,31 +110,6 @@ TEST_SUITE("engine/signal/control_chart") {
         CHECK(std::abs(length / 370 - 1) < 0.15);
     }
 
-    TEST_CASE("a moving average and cumulative sums have the published run lengths") {
-        // Lucas and Saccucci (1990), weight 0.1 and width 2.814: 500 in control, 10.3 after a shift
-        // by one deviation; Montgomery, table 9.3, allowance 0.5 and limit 4: 168 and 8.38.
-        // Runs in control scatter about as much as they are long: 4 / sqrt(4000) = 6 %.
-        const auto ewma = [](double shift) {
-            return [shift](std::size_t run) {
-                return [chart = Ewma(0.1, 2.814), random = Random(11, run), shift]() mutable {
-                    return chart.add(random.normal() + shift);
-                };
-            };
-        };
-        CHECK(mean_run_length(4000, ewma(0)) == doctest::Approx(500).epsilon(0.07));
-        CHECK(mean_run_length(4000, ewma(1)) == doctest::Approx(10.3).epsilon(0.04));
-        const auto cusum = [](double shift) {
-            return [shift](std::size_t run) {
-                return [chart = Cusum(0.5, 4), random = Random(12, run), shift]() mutable {
-                    return chart.add(random.normal() + shift);
-                };
-            };
-        };
-        CHECK(mean_run_length(4000, cusum(0)) == doctest::Approx(168).epsilon(0.07));
-        CHECK(mean_run_length(4000, cusum(1)) == doctest::Approx(8.38).epsilon(0.04));
-        CHECK(mean_run_length(4000, cusum(-1)) == doctest::Approx(8.38).epsilon(0.04));
-    }
-
     TEST_CASE("subgroups do not reach across a gap between runs") {
         const std::vector<std::vector<double>> runs{{1, 3, 100}, {5, 9}, {7}};
         CHECK(subgroup_means(runs, 2) == std::vector{2.0, 7.0});

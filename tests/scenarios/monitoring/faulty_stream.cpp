@@ -133,8 +133,8 @@ std::string details_of(const StreamPassage& given, const PassageResult& passage)
                                    given.is_final, given.time_is_known);
     for (const Recording& r : given.passage.recordings) text += fmt::format(" {}", r.size());
     for (const SensorResult& s : passage.sensors)
-        text += fmt::format(" {} {} {} {} {}", s.id, text_of(s.verdict), s.outlier_share,
-                            s.level_ratio, s.power_ratio);
+        text += fmt::format(" {} {} {} {} {}", s.id, text_of(s.verdict), s.outlier_shares[0],
+                            s.level_ratio(), s.seen_above());
     return text;
 }
 
@@ -162,7 +162,7 @@ DayResult judge(const TrainDay& day, std::unique_ptr<Lines> lines, PassageStream
                 continue;
             text += fmt::format("{}{} {}", text.empty() ? "" : ", ", s.id, text_of(s.verdict));
             result.all_clear += given->time_is_known && s.verdict == Verdict::as_baseline;
-            result.changed += given->time_is_known && s.verdict == Verdict::changed;
+            result.changed += given->time_is_known && is_change(s.verdict);
             result.not_enough_data += given->time_is_known && s.verdict == Verdict::not_enough_data;
             result.time_unknown += !given->time_is_known;
         }
