@@ -245,8 +245,9 @@ std::string write_track(const Judged& s, const std::vector<std::filesystem::path
                 write_sensor_info(file, r.info);
         }
         write_recordings(csv, passage.recordings, {"of " + passage.name + ", times from 0"});
-        written += fmt::format("{}: {} sensors, {:.4g} s.\n", csv.string(),
-                               passage.recordings.size(), duration_of(passage.recordings, 0));
+        const std::size_t sensors = passage.recordings.size();
+        written += fmt::format("{}: {} sensor{}, {:.4g} s.\n", csv.string(), sensors,
+                               sensors == 1 ? "" : "s", duration_of(passage.recordings, 0));
     };
     for_each_logged_passage(files, s.logger, {.every_recording_holds_a_train = true}, "--new", take,
                             notes);
