@@ -12,7 +12,9 @@
 #include "scenarios/monitoring/passage_stream.hpp"
 #include "scenarios/monitoring/power.hpp"
 #include "scenarios/monitoring/publisher.hpp"
-#include "scenarios/monitoring/sensor_verdict.hpp"
+#include "scenarios/monitoring/recorded_passages.hpp"
+#include "scenarios/monitoring/site_folder.hpp"
+#include "scenarios/monitoring/site_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
 #include "scenarios/stream/run_broker.hpp"
 
@@ -32,7 +34,10 @@ namespace bris {
 namespace {
 
 struct Monitor {
-    std::filesystem::path recordings, baseline, stream, columns, example;
+    RecordingsNamed recordings{.paths = {}, .option = "--recordings"},
+        baseline{.paths = {}, .option = "--baseline"};
+    std::filesystem::path stream, columns, example, site;
+    LoggerSettings logger;
     std::string example_state = "fouled";
     unsigned example_passages = 3;
     SyntheticVibration synthetic;
@@ -45,14 +50,24 @@ struct Monitor {
 
     void declare_options(auto& option) {
         option.group("Recordings");
-        option(
-            "recordings", recordings, "",
-            "Folder with the metadata rock_NN.txt of the sensors and a file recordings.csv or "
-            "recordings.h5 for each passage, in the folder or its subfolders. Default: synthetic "
-            "recordings.");
-        option("baseline", baseline, "",
-               "Folder of the same form, recorded where and when the ballast was good. Default: "
+        option("recordings", recordings.paths, "",
+               "Files of a logger, or folders of them: one file or many, of one sensor or many. Or "
+               "a folder with the metadata rock_NN.txt of the sensors and a file recordings.csv or "
+               "recordings.h5 for each passage, in the folder or its subfolders. Default: "
                "synthetic recordings.");
+        option("baseline", baseline.paths, "",
+               "The same, recorded where and when the ballast was good. Beside both may stand "
+               "passages.csv: passage, condition, session, and numbers such as speed_m_s, that "
+               "explain differences. Default: synthetic recordings.");
+        option("rate", logger.rate, "Hz", "Sampling rate of files that do not say it. 0: they do.",
+               within(0, 1e6));
+        option("axes", logger.axes, "",
+               "Columns of files that cannot be recognised: t=1 ms, ax=3 g, ay=4, az=-5, by number "
+               "or title, with the unit. Default: by their titles.");
+        option("site", site, "",
+               "Folder that keeps baseline and passages of a site from day to day. With --baseline "
+               "the first time; from then on --recordings are added to those that it has, and all "
+               "are judged.");
         option("stream", stream, "",
                "Source of records instead of --recordings: - (standard input), a pipe or a growing "
                "file; or stream.ndjson, the log of an earlier run. Sensors are those of the "
@@ -90,6 +105,7 @@ struct Monitor {
                within(2, 3600));
         option.group("Comparison");
         settings.declare_options(option);
+        option.group("Result");
         option("plan", plan, "",
                "Only say which lasting changes the sensors of --baseline would find: by how many "
                "sensors, in how many passages.");
@@ -147,12 +163,17 @@ void check(const Monitor& m, const Common& common) {
             fmt::format("--segment: expected a number without other prime factors than 2, 3 and 5, "
                         "such as {}, found {}",
                         fast_length_for(s.segment), s.segment));
-    require(m.stream.empty() || m.recordings.empty(),
+    const bool has_site_baseline = !m.site.empty() && std::filesystem::exists(m.site / "baseline");
+    require(!has_site_baseline || m.baseline.paths.empty(),
+            fmt::format("--baseline: expected none, since '{}' has one, found {}", m.site.string(),
+                        m.baseline.paths));
+    require(m.stream.empty() || m.recordings.paths.empty(),
             "--stream, --recordings: expected one of the two, found both");
     const bool given =
-        !m.recordings.empty() || !m.stream.empty() || !m.broker.client.address.empty();
-    if (m.plan && !given && !m.baseline.empty()) return;
-    require(given == !m.baseline.empty(),
+        !m.recordings.paths.empty() || !m.stream.empty() || !m.broker.client.address.empty();
+    const bool has_baseline = has_site_baseline || !m.baseline.paths.empty();
+    if (!given && has_baseline && (m.plan || !m.site.empty())) return;
+    require(given == has_baseline,
             fmt::format("--baseline: expected together with --recordings, --stream or --broker, "
                         "found {}",
                         given ? "none" : "it alone"));
@@ -198,9 +219,9 @@ void plan(const std::vector<SensorBaseline>& baselines, const MonitorSettings& s
     summary.add("correlation_of_passages", scatter.serial);
     std::vector<std::vector<double>> rows;
     for (const double ratio : {0.8, 1.25, 1.5, 2.0})
-        for (const std::size_t sensors : {1, 4, 8}) {
+        for (const std::size_t sensors : {1U, 4U, 8U}) {
             std::string cells;
-            for (const std::size_t passages : {1, 4, 12}) {
+            for (const std::size_t passages : {1U, 4U, 12U}) {
                 const double power =
                     power_of(scatter, {ratio, sensors, passages, settings.false_alarms});
                 rows.push_back(
@@ -229,33 +250,68 @@ public:
         check(m_, common_);
         go_on_with_arrivals(common_);
         if (!m_.example.empty()) return write_example(m_.example, m_, common_.seed);
-        auto baseline = m_.baseline, recordings = m_.recordings;
-        if (baseline.empty()) {
+        RecordingsNamed baseline = m_.baseline, recordings = m_.recordings;
+        if (!m_.site.empty()) keep_in_site(baseline, recordings);
+        if (baseline.paths.empty()) {
             write_example(common_.out / "example", m_, common_.seed);
-            baseline = common_.out / "example" / "baseline";
-            recordings = common_.out / "example" / "recordings";
+            baseline.paths = (common_.out / "example" / "baseline").string();
+            recordings.paths = (common_.out / "example" / "recordings").string();
             what_ = fmt::format("synthetic recordings ({})", m_.example_state);
         } else {
-            what_ = !m_.recordings.empty() ? recordings.string()
-                    : !m_.stream.empty()   ? "stream " + m_.stream.string()
-                                           : "broker " + m_.broker.client.address;
+            what_ = !recordings.paths.empty() ? recordings.paths
+                    : !m_.stream.empty()      ? "stream " + m_.stream.string()
+                                              : "broker " + m_.broker.client.address;
         }
-        baseline_ = baseline.string();
-        baselines_ = read_baselines(baseline, m_.columns, "--baseline", settings_);
+        baseline_ = baseline.paths;
+        baselines_ = read_baselines(
+            [&](const std::function<void(Passage &&)>& take) {
+                for_each(baseline, [&](Passage&& passage) {
+                    for (const Recording& r : passage.recordings) infos_.emplace(r.info.id, r.info);
+                    take(std::move(passage));
+                });
+            },
+            settings_);
         if (m_.plan) return plan(baselines_, settings_, common_);
         if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
         log_.emplace(common_.out);
-        if (m_.broker.client.address.empty() ? m_.stream.empty() : !m_.recordings.empty())
-            for_each_passage(recordings, m_.columns, "--recordings",
-                             [&](const Passage& p) { take(p); });
+        if (m_.broker.client.address.empty() ? m_.stream.empty() : !recordings.paths.empty())
+            for_each(recordings, [&](Passage&& p) { take(p); });
         else
             follow(baseline);
         finish();
     }
 
 private:
+    /// Gives the passages of files, and notes how they were read.
+    void for_each(RecordingsNamed named, const std::function<void(Passage&&)>& take) {
+        named.logger = m_.logger;
+        named.logger.columns = m_.columns;
+        named.cutting.every_recording_holds_a_train = settings_.every_one;
+        std::vector<std::string> notes;
+        for_each_passage(named, take, notes);
+        for (const std::string& note : notes) notes_ += note + "\n";
+    }
+
+    /// Adds what is given to the folder of the site, and names what it then has.
+    void keep_in_site(RecordingsNamed& baseline, RecordingsNamed& recordings) {
+        for (const auto& [named, name] :
+             {std::pair{&baseline, "baseline"}, {&recordings, "recordings"}}) {
+            const auto folder = m_.site / name;
+            std::size_t added = 0, known = 0;
+            if (!named->paths.empty())
+                for_each(*named, [&](Passage&& passage) {
+                    (keep_passage(folder, passage) ? added : known) += 1;
+                });
+            if (added + known > 0)
+                report_news(common_, fmt::format("{}: {} passages added, {} were there", name,
+                                                 added, known));
+            named->paths = std::filesystem::exists(folder) ? folder.string() : "";
+        }
+    }
+
     void connect() {
-        const auto& source = m_.recordings.empty() ? m_.stream : m_.recordings;
+        const std::filesystem::path source =
+            m_.recordings.paths.empty() ? m_.stream : std::filesystem::path(m_.recordings.paths);
         broker_.emplace(m_.broker, source, m_.speed, common_);
         stream_log_ = begin_log(m_.broker, LoggedRecords::messages, source, common_);
         if (stream_log_) broker_->keep_in(stream_log_);
@@ -341,14 +397,18 @@ private:
                 fmt::format("following {}, {} passages judged", what_, log_->count()));
     }
 
-    void follow(const std::filesystem::path& metadata) {
+    void follow(const RecordingsNamed& baseline) {
         saves_.emplace("the results so far are written");
         PassageStreamSettings of_stream = m_.of_stream;
         of_stream.quantity = settings_.quantity;
         for (const SensorBaseline& b : baselines_)
             if (b.impossible_because.empty()) of_stream.thresholds[b.id] = b.train_threshold;
         settings_.rest = of_stream.window + 10; // passages are compared as a whole
-        const auto infos = sensor_infos_in(metadata, "--baseline");
+        auto infos = baseline.is_own_folder()
+                         ? sensor_infos_in(baseline.list().front(), "--baseline")
+                         : std::vector<SensorInfo>{};
+        if (infos.empty())
+            for (const auto& [id, info] : infos_) infos.push_back(info);
         auto lines = lines_of(infos);
         is_repeating_ = lines->is_repeating();
         PassageStream stream(
@@ -377,8 +437,8 @@ private:
     }
 
     MonitorReport report() const {
-        return {what_,        baseline_,     settings_,      baselines_,
-                log_->kept(), log_->tally(), stream_report_, records_};
+        return {what_,         baseline_,      settings_, baselines_, log_->kept(),
+                log_->tally(), stream_report_, records_,  notes_};
     }
 
     void finish() {
@@ -404,8 +464,9 @@ private:
     const Monitor& m_;
     const Common& common_;
     MonitorSettings settings_;
-    std::string what_, baseline_, stream_report_;
-    std::optional<StreamCounts> records_; // of a stream
+    std::string what_, baseline_, stream_report_, notes_;
+    std::map<unsigned, SensorInfo> infos_; // of the sensors in the baseline
+    std::optional<StreamCounts> records_;  // of a stream
     std::vector<SensorBaseline> baselines_;
     std::optional<PassageLog> log_;
     std::shared_ptr<StreamLog> stream_log_; // null: none is kept
@@ -428,11 +489,14 @@ void run(const Monitor& monitor, const Common& common) { MonitorRun(monitor, com
 } // namespace bris
 
 int main(int argc, char** argv) {
+    auto words = bris::with_listed_files({argv, argv + argc}, {"--baseline", "--recordings"});
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
     return bris::run_scenario<bris::Monitor>(
-        argc, argv,
+        static_cast<int>(pointers.size()), pointers.data(),
         {.name = "monitor",
-         .description = "Compares recordings of SmartRocks under trains with a baseline and says "
-                        "whether the ballast around them has changed.",
+         .description = "Compares recordings of SmartRocks, or of any logger, under trains with a "
+                        "baseline and says whether the track beside them has changed.",
          .cannot_explain = "it runs no time steps"},
         bris::run);
 }

@@ -169,7 +169,8 @@ bool may_include_library(const std::string& file, const std::string& target) {
           "engine/io/mqtt_packets.cpp"}},
         {{"boost/"},
          {"engine/estimation/chi_squared.cpp", "engine/estimation/moderated_variance.cpp",
-          "engine/estimation/student_t.cpp", "tests/detection.cpp"}},
+          "engine/estimation/pooled_variance.cpp", "engine/estimation/student_t.cpp",
+          "tests/detection.cpp"}},
         {{"unsupported/"}, {"engine/signal/fft.cpp"}},
         {{"mpi"}, {"engine/ranks.cpp"}},
     }};

@@ -250,13 +250,11 @@ std::vector<SensorBaseline> baselines_of(const std::vector<Passage>& passages,
     return baselines_of(by_id, settings);
 }
 
-std::vector<SensorBaseline> read_baselines(const std::filesystem::path& folder,
-                                           const std::filesystem::path& columns,
-                                           const std::string& option,
-                                           const MonitorSettings& settings) {
+std::vector<SensorBaseline>
+read_baselines(const std::function<void(const std::function<void(Passage&&)>&)>& for_each,
+               const MonitorSettings& settings) {
     CollectedById by_id;
-    for_each_passage(folder, columns, option,
-                     [&](const Passage& passage) { collect(by_id, passage, settings); });
+    for_each([&](const Passage& passage) { collect(by_id, passage, settings); });
     return baselines_of(by_id, settings);
 }
 

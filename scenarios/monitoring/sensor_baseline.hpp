@@ -10,7 +10,7 @@
 #include "scenarios/sensors/quality_control.hpp"
 
 #include <cstdint>
-#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -69,12 +69,10 @@ struct SensorBaseline {
 /// no baseline, with the reason.
 std::vector<SensorBaseline> baselines_of(const std::vector<Passage>& passages,
                                          const MonitorSettings& settings);
-/// The same of the passages in a folder, as read_passages reads them, but with one in memory at a
-/// time.
-std::vector<SensorBaseline> read_baselines(const std::filesystem::path& folder,
-                                           const std::filesystem::path& columns,
-                                           const std::string& option,
-                                           const MonitorSettings& settings);
+/// The same of passages that are given one after the other to what it passes to `for_each`.
+std::vector<SensorBaseline>
+read_baselines(const std::function<void(const std::function<void(Passage&&)>&)>& for_each,
+               const MonitorSettings& settings);
 
 /// The specific force's mean direction (body axes), which is the vertical; zero: none.
 Vec3 up_of(const Recording& recording);

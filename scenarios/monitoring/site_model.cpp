@@ -39,6 +39,7 @@ std::vector<Segment> segments_of(const std::vector<FeatureRow>& rows,
     std::map<std::string, Segment> by_session;
     for (const std::size_t row : of_condition) by_session[rows[row].cause.session].push_back(row);
     std::vector<Segment> segments;
+    if (by_session.size() == of_condition.size()) return {of_condition}; // each is one of its own
     for (auto& [session, segment] : by_session) segments.push_back(std::move(segment));
     return segments;
 }
