@@ -37,7 +37,7 @@ struct Collected {
 
 void collect(Collected& all, const Recording& r, const PassageCause& cause,
              const std::string& refusal, const MonitorSettings& settings) {
-    Vibration v = refusal.empty() ? vibration_of(r, settings.quantity, settings.rest)
+    Vibration v = refusal.empty() ? vibration_of(r, settings.quantity, rest_of(settings))
                                   : Vibration{.impossible_because = refusal};
     std::string reason = v.impossible_because;
     if (reason.empty() && v.missing > settings.largest_missing)
@@ -151,10 +151,15 @@ void estimate(SensorBaseline& b, Collected& all, const MonitorSettings& settings
 
 } // namespace
 
+double rest_of(const MonitorSettings& settings) {
+    constexpr double whole = 1e6; // s: without rest, the mean of all samples is the vertical
+    return settings.every_one ? whole : settings.rest;
+}
+
 std::vector<Finding> findings_of(const Passage& passage, const MonitorSettings& settings) {
     QualityControlLimits limits;
-    limits.rest = settings.rest;
-    if (settings.every_one) limits.gravity = 0.1; // of a sensor that shakes
+    limits.rest = rest_of(settings);
+    if (settings.every_one) limits.gravity = 0.3; // of a sensor that shakes; a wrong unit is 9.8
     auto findings = check_recordings(passage.recordings, Vec3(0, 0, -9.81), limits);
     for (Finding& f : findings) {
         // a sensor that was turned is found beside its baseline; one that is never at rest has

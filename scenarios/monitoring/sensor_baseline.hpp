@@ -77,6 +77,8 @@ read_baselines(const std::function<void(const std::function<void(Passage&&)>&)>&
 /// The specific force's mean direction (body axes), which is the vertical; zero: none.
 Vec3 up_of(const Recording& recording);
 
+/// s at the beginning of recordings whose mean is the vertical.
+double rest_of(const MonitorSettings& settings);
 /// Quality control of one passage: the findings of all its sensors.
 std::vector<Finding> findings_of(const Passage& passage, const MonitorSettings& settings);
 /// The refusals of a sensor among them, as one text; empty: it is accepted.

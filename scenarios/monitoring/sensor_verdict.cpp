@@ -250,7 +250,7 @@ void decide(SensorResult& s, bool is_moved) {
 Compared prepare(SensorResult& result, const Recording& r, const SensorBaseline& baseline,
                  const std::string& refusal, const MonitorSettings& s) {
     Compared c{&r, &baseline};
-    c.vibration = refusal.empty() ? vibration_of(r, s.quantity, s.rest) : Vibration{.runs = {}};
+    c.vibration = refusal.empty() ? vibration_of(r, s.quantity, rest_of(s)) : Vibration{.runs = {}};
     result.duration = c.vibration.duration;
     select(c, s.every_one ? whole_ranges(c.vibration)
                           : active_ranges(c.vibration, baseline.train_threshold, s.train_level));
