@@ -215,7 +215,7 @@ void plan(const std::vector<SensorBaseline>& baselines, const MonitorSettings& s
     std::vector<double> deviations;
     for (const ExpectedFeature& level : scatter.levels) deviations.push_back(level.deviation());
     summary.add("level_deviation", median(std::move(deviations)));
-    summary.add("correlation_of_sensors", scatter.common);
+    summary.add("correlation_of_sensors", scatter.common); // 0.5: not known of one sensor
     summary.add("correlation_of_passages", scatter.serial);
     std::vector<std::vector<double>> rows;
     for (const double ratio : {0.8, 1.25, 1.5, 2.0})
@@ -271,7 +271,9 @@ public:
                 });
             },
             settings_);
-        if (m_.plan) return plan(baselines_, settings_, common_);
+        const bool has_recordings =
+            !recordings.paths.empty() || !m_.stream.empty() || !m_.broker.client.address.empty();
+        if (m_.plan || !has_recordings) return plan(baselines_, settings_, common_);
         if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
         log_.emplace(common_.out);
         if (m_.broker.client.address.empty() ? m_.stream.empty() : !recordings.paths.empty())

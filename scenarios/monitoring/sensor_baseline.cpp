@@ -44,14 +44,14 @@ void collect(Collected& all, const Recording& r, const PassageCause& cause,
         reason = fmt::format("{:.1f} % of the samples are missing", 100 * v.missing);
     if (reason.empty() && v.saturated > settings.largest_saturated)
         reason = fmt::format("{:.2f} % of the samples are saturated", 100 * v.saturated);
-    if (reason.empty() && !all.recorded.empty() && all.rate != r.info.sampling_rate)
+    if (reason.empty() && !all.recorded.empty() && !is_same_rate(all.rate, r.info.sampling_rate))
         reason = "its passages have different sampling rates";
     if (!reason.empty()) {
         if (all.refused_because.empty()) all.refused_because = reason;
         return;
     }
+    if (all.recorded.empty()) all.rate = r.info.sampling_rate;
     all.recorded.emplace_back(r);
-    all.rate = r.info.sampling_rate;
     if (const double quotient = rate_per_force(r); std::isfinite(quotient))
         all.rates_per_force.push_back(quotient);
     if (const Vec3 up = up_of(r); up.norm() > 0) all.ups.push_back(up);

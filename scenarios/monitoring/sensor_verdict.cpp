@@ -39,7 +39,7 @@ std::string reason_against(const Recording& r, const Vibration& v,
     if (r.size() == 0) return "no samples";
     if (!refusal.empty()) return "refused by quality control: " + refusal;
     if (!v.impossible_because.empty()) return v.impossible_because;
-    if (v.rate != baseline.rate)
+    if (!is_same_rate(v.rate, baseline.rate))
         return fmt::format("sampling rate: expected {:g} Hz as in the baseline, found {:g}",
                            baseline.rate, v.rate);
     if (v.measured_rate > 1.02 * v.rate)

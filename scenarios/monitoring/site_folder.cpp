@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "scenarios/monitoring/vibration.hpp"
 
 #include <fmt/format.h>
 
@@ -60,7 +61,7 @@ bool keep_passage(const fs::path& folder, const Passage& passage) {
         const fs::path metadata = folder / fmt::format("rock_{:02}.txt", r.info.id);
         if (!fs::exists(metadata)) write_sensor_info(metadata, r.info);
         const SensorInfo there = read_sensor_info(metadata);
-        require(there.sampling_rate == r.info.sampling_rate,
+        require(is_same_rate(there.sampling_rate, r.info.sampling_rate),
                 fmt::format("{}: sampling_rate: expected that of the passage '{}', {:g} Hz, found "
                             "{:g}",
                             metadata.string(), passage.name, r.info.sampling_rate,

@@ -15,6 +15,9 @@ const std::vector<std::string>& texts_of(VibrationQuantity);
 /// The axis of an angular rate.
 Eigen::Index axis_of(VibrationQuantity rate);
 
+/// Whether two sampling rates (Hz) are one, as loggers' clocks keep it: within 1 %.
+inline bool is_same_rate(double a, double b) { return a < 1.01 * b && b < 1.01 * a; }
+
 /// The series of one quantity from a recording, in runs of samples without gaps.
 struct Vibration {
     std::vector<std::vector<double>> runs = {}; ///< m/s2, or rad/s
