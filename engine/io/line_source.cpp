@@ -102,9 +102,10 @@ struct LineSource::Reader {
         line.arrival = is_file ? no_arrival : arrival_now();
         std::unique_lock lock(mutex);
         while (queue.size() >= capacity && !stop) room.wait_for(lock, glance);
-        queue.push_back(line);
-        came.notify_all();
-        line = {line.number + 1, {}, {}, true};
+        const std::uint64_t number = line.number;
+        queue.push_back(std::move(line));
+        if (queue.size() == 1) came.notify_all(); // who waits found it empty
+        line = {number + 1, {}, {}, true};
     }
 };
 
@@ -119,9 +120,10 @@ std::optional<LineSource::Line> LineSource::next(double timeout) {
            seconds_since(began) < timeout)
         reader_->came.wait_for(lock, glance);
     if (reader_->queue.empty()) return {};
+    const bool was_full = reader_->queue.size() >= reader_->capacity;
     Line line = std::move(reader_->queue.front());
     reader_->queue.pop_front();
-    reader_->room.notify_one();
+    if (was_full) reader_->room.notify_one();
     return line;
 }
 

@@ -22,19 +22,19 @@ Vec3 vector_at(const Samples& s, std::size_t k, const SensorInfo& info, bool by_
     return v.allFinite() ? v : Vec3::Zero();
 }
 
-/// The quantity less its mean nearby, at each row.
+/// The quantity less its mean nearby, at each row; 0 before `from`.
 std::vector<double> deviations_of(const Samples& s, const SensorInfo& info,
-                                  VibrationQuantity quantity) {
+                                  VibrationQuantity quantity, std::size_t from) {
     const bool by_force = quantity == VibrationQuantity::vertical;
-    std::vector<Vec3> vectors, sums{Vec3::Zero()};
-    for (std::size_t k = 0; k < s.size(); ++k) {
+    std::vector<Vec3> vectors(from, Vec3::Zero()), sums(from + 1, Vec3::Zero());
+    for (std::size_t k = from; k < s.size(); ++k) {
         vectors.push_back(vector_at(s, k, info, by_force));
         sums.push_back(sums.back() + vectors.back());
     }
     const Eigen::Index axis = axis_of(quantity);
-    std::vector<double> deviations;
-    Window nearby;
-    for (std::size_t k = 0; k < s.size(); ++k) {
+    std::vector<double> deviations(from, 0);
+    Window nearby{from, from};
+    for (std::size_t k = from; k < s.size(); ++k) {
         nearby.move(s, k, activity_context);
         const Vec3 mean = (sums[nearby.last] - sums[nearby.first]) /
                           static_cast<double>(nearby.last - nearby.first);
@@ -57,11 +57,14 @@ void find_activity(Samples& samples, const SensorInfo& info, const ActivitySetti
         for (; first < end; ++first) samples.state(first) = Samples::State::quiet;
         return;
     }
-    const std::vector<double> d = deviations_of(samples, info, settings.quantity);
+    // the windows of the first row to be said, and what lies near to them
+    const std::size_t nearby = samples.row_at(samples.time(first) - half_window),
+                      from = samples.row_at(samples.time(nearby) - activity_context);
+    const std::vector<double> d = deviations_of(samples, info, settings.quantity, from);
     std::vector<double> squares{0};
     for (const double x : d) squares.push_back(squares.back() + x * x);
-    Window window;
-    for (std::size_t k = 0; k < end; ++k) {
+    Window window{nearby, nearby};
+    for (std::size_t k = first; k < end; ++k) {
         window.move(samples, k, half_window);
         if (samples.state(k) != Samples::State::unknown) continue;
         const double mean = (squares[window.last] - squares[window.first]) /

@@ -94,25 +94,26 @@ void add_bands(std::vector<double>& features, const Recording& r,
 const std::vector<Feature>& all_features() {
     using enum FeatureKind;
     static const std::vector<Feature> list{
-        {"level", "vertical vibration", FeatureKind::level, false, 0, 1},
-        {"level_total", "vibration of three axes", FeatureKind::level, false, 0, 1},
-        {"level_x", "vibration along x", FeatureKind::level, true, 0, 1},
-        {"level_y", "vibration along y", FeatureKind::level, true, 0, 1},
-        {"band_2.5_5_Hz", "share of 2.5 to 5 Hz", spectrum, false, 1, 1},
-        {"band_5_10_Hz", "share of 5 to 10 Hz", spectrum, false, 1, 1},
-        {"band_10_20_Hz", "share of 10 to 20 Hz", spectrum, false, 1, 1},
-        {"band_20_40_Hz", "share of 20 to 40 Hz", spectrum, false, 1, 1},
-        {"band_40_80_Hz", "share of 40 to 80 Hz", spectrum, false, 1, 1},
-        {"band_80_160_Hz", "share of 80 to 160 Hz", spectrum, false, 1, 1},
-        {"model_distance", "distance to the baseline's model", spectrum, false, 2, 0},
-        {"residual_level", "vibration that the model does not predict", spectrum, false, 0, 1},
-        {"reflection_1", "first reflection coefficient", spectrum, false, 3, 0},
-        {"reflection_2", "second reflection coefficient", spectrum, false, 3, 0},
-        {"reflection_3", "third reflection coefficient", spectrum, false, 3, 0},
-        {"roll_rate", "roll", motion, true, 0, 1},
-        {"pitch_rate", "pitch", motion, true, 0, 1},
-        {"yaw_rate", "yaw", motion, true, 0, 1},
-        {"rate_total", "rotation about three axes", motion, false, 0, 1}};
+        {"level", "vertical vibration", FeatureKind::level, false, 0, 1, false},
+        {"level_total", "vibration of three axes", FeatureKind::level, false, 0, 1, false},
+        {"level_x", "vibration along x", FeatureKind::level, true, 0, 1, false},
+        {"level_y", "vibration along y", FeatureKind::level, true, 0, 1, false},
+        {"band_2.5_5_Hz", "share of 2.5 to 5 Hz", spectrum, false, 1, 1, false},
+        {"band_5_10_Hz", "share of 5 to 10 Hz", spectrum, false, 1, 1, false},
+        {"band_10_20_Hz", "share of 10 to 20 Hz", spectrum, false, 1, 1, false},
+        {"band_20_40_Hz", "share of 20 to 40 Hz", spectrum, false, 1, 1, false},
+        {"band_40_80_Hz", "share of 40 to 80 Hz", spectrum, false, 1, 1, false},
+        {"band_80_160_Hz", "share of 80 to 160 Hz", spectrum, false, 1, 1, false},
+        {"model_distance", "distance to the baseline's model", spectrum, false, 2, 0, true},
+        {"residual_level", "vibration that the model does not predict", spectrum, false, 0, 1,
+         false},
+        {"reflection_1", "first reflection coefficient", spectrum, false, 3, 0, false},
+        {"reflection_2", "second reflection coefficient", spectrum, false, 3, 0, false},
+        {"reflection_3", "third reflection coefficient", spectrum, false, 3, 0, false},
+        {"roll_rate", "roll", motion, true, 0, 1, false},
+        {"pitch_rate", "pitch", motion, true, 0, 1, false},
+        {"yaw_rate", "yaw", motion, true, 0, 1, false},
+        {"rate_total", "rotation about three axes", motion, false, 0, 1, false}};
     static_assert(all == 19);
     return list;
 }
@@ -138,7 +139,8 @@ std::vector<double> features_of(const Recording& r, const Vibration& v,
     return features;
 }
 
-void add_model_features(std::vector<double>& features, const ArModel& model, Runs runs) {
+void add_model_features(std::vector<double>& features, const ArModel& model, Runs runs,
+                        double usual) {
     const std::size_t order = model.order();
     double squares = 0, n = 0;
     std::size_t samples = 0, longest = 0;
@@ -152,8 +154,10 @@ void add_model_features(std::vector<double>& features, const ArModel& model, Run
     if (!(n > 0) || !(squares > 0) || longest <= 2 * largest || samples <= 4 * largest) return;
     features[residuals] = half_logarithm(squares / n);
     const std::vector<ArModel> own = burg(runs, largest);
-    const double ratio = std::log(squares / n / own[order].variance);
-    features[distance] = ratio > 0 ? std::log(ratio) : unknown;
+    // a model of p coefficients fits its own n samples better by p / n
+    const double p = static_cast<double>(order), expected = p / std::max(p + 1, usual - p),
+                 ratio = std::log(squares / n / own[order].variance) - p / n + expected;
+    features[distance] = std::log(std::max(ratio, 0.1 * expected));
     for (std::size_t k = 0; k < reflections; ++k)
         features[first_reflection + k] =
             std::atanh(std::clamp(own[k + 1].coefficients.back(), -1 + 1e-12, 1 - 1e-12));

@@ -19,7 +19,8 @@ struct Feature {
     /// Whether it needs the axes of the baseline; others do not change if a sensor is turned.
     bool by_axis;
     unsigned family; ///< those of one family may have similar scatter (pooled_variances)
-    double factor;   ///< exp(factor * difference) is a ratio of root mean squares
+    double factor;   ///< exp(factor * difference) is a ratio of root mean squares; 0: it is none
+    bool only_above; ///< whether only a larger value is a change
 };
 
 /// All features: levels (ln of root mean squares) of the vertical, of three axes together and of
@@ -35,7 +36,9 @@ const std::vector<Feature>& all_features();
 /// samples. Those that need a model are NaN.
 std::vector<double> features_of(const Recording& recording, const Vibration& vibration,
                                 const std::vector<SampleRange>& ranges);
-/// Adds those by the baseline's model. `runs`: the vibration in the ranges.
-void add_model_features(std::vector<double>& features, const ArModel& model, Runs runs);
+/// Adds those by the baseline's model. `runs`: the vibration in the ranges; `usual`: samples of a
+/// passage of the baseline, since a short passage is farther from any model by its errors alone.
+void add_model_features(std::vector<double>& features, const ArModel& model, Runs runs,
+                        double usual);
 
 } // namespace bris

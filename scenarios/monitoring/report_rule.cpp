@@ -91,7 +91,6 @@ ReportRule::ReportRule(const ArModel& model, const std::vector<RunList>& passage
     plain_ = residual_charts(model, plain);
     standardised_ = residual_charts(burg(other, model.order()).back(), other);
     coefficients_ = coefficient_charts(plain);
-    standardised_coefficients_ = coefficient_charts(other);
 }
 
 ChartPoints ReportRule::points(const Residuals& charts, Runs runs) const {
@@ -133,7 +132,7 @@ std::array<double, readings.size()> ReportRule::outlier_shares(Runs runs) const 
     const RunList alike = standardised(runs);
     return {points(plain_, runs).outlier_share(settings_.width),
             points(standardised_, alike).outlier_share(settings_.width),
-            outlier_share(coefficients_, runs), outlier_share(standardised_coefficients_, alike)};
+            outlier_share(coefficients_, runs)};
 }
 
 } // namespace bris

@@ -13,10 +13,10 @@ namespace bris {
 /// The published readings of "autoregressive model with X-bar chart", the rule of the SmartRock
 /// report: charts of the residuals of the baseline's model (Fugate, Sohn and Farrar 2001, Mech.
 /// Syst. Signal Process. 15:707), or of the coefficients of models of short windows (Sohn,
-/// Czarnecki and Farrar 2000, J. Struct. Eng. 126:1356); each of the vibration as it is, or
-/// standardised: less its mean, over its standard deviation in the passage.
-inline constexpr std::array<std::string_view, 4> readings{
-    "residuals", "standardised_residuals", "coefficients", "standardised_coefficients"};
+/// Czarnecki and Farrar 2000, J. Struct. Eng. 126:1356), to which the level is nothing. Residuals
+/// also of the standardised vibration: less its mean, over its standard deviation in the passage.
+inline constexpr std::array<std::string_view, 3> readings{"residuals", "standardised_residuals",
+                                                          "coefficients"};
 
 struct ReportRuleSettings {
     unsigned subgroup = 20;   ///< residuals in a point, and tenth of the samples of a window
@@ -58,7 +58,7 @@ private:
 
     ReportRuleSettings settings_;
     Residuals plain_, standardised_;
-    Coefficients coefficients_, standardised_coefficients_;
+    Coefficients coefficients_;
 };
 
 } // namespace bris

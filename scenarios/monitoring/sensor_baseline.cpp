@@ -93,7 +93,8 @@ std::vector<ArModel> models_of(const std::vector<std::vector<double>>& runs,
 }
 
 /// Adds the features by models of which a passage is no part, as a new one is none.
-void add_features_by_others(Collected& all, std::size_t order, const MonitorSettings& settings) {
+void add_features_by_others(Collected& all, std::size_t order, double usual,
+                            const MonitorSettings& settings) {
     constexpr std::size_t parts = 5;
     for (std::size_t part = 0; part < parts; ++part) {
         std::vector<std::vector<double>> others;
@@ -105,7 +106,7 @@ void add_features_by_others(Collected& all, std::size_t order, const MonitorSett
             continue;
         const ArModel model = models_of(others, settings, order).back();
         for (std::size_t k = part; k < all.passages.size(); k += parts)
-            add_model_features(all.passages[k].features, model, all.passages[k].runs);
+            add_model_features(all.passages[k].features, model, all.passages[k].runs, usual);
     }
 }
 
@@ -141,7 +142,7 @@ void estimate(SensorBaseline& b, Collected& all, const MonitorSettings& settings
     const auto models = models_of(runs, settings, settings.largest_order);
     b.orders = choose_order(models, b.samples);
     b.model = models[settings.criterion == OrderCriterion::bic ? b.orders.by_bic : b.orders.by_aic];
-    add_features_by_others(all, b.model.order(), settings);
+    add_features_by_others(all, b.model.order(), b.usual_samples(), settings);
     b.report_rule = ReportRule(b.model, passages, settings.report_rule);
     if (longest >= settings.segment)
         b.spectrum = welch(runs, b.rate, {.segment = settings.segment});
@@ -150,6 +151,11 @@ void estimate(SensorBaseline& b, Collected& all, const MonitorSettings& settings
 }
 
 } // namespace
+
+double SensorBaseline::usual_samples() const {
+    return static_cast<double>(samples) /
+           static_cast<double>(std::max<std::size_t>(1, recorded.size()));
+}
 
 double rest_of(const MonitorSettings& settings) {
     constexpr double whole = 1e6; // s: without rest, the mean of all samples is the vertical

@@ -61,6 +61,7 @@ struct SensorBaseline {
     double rate_per_force = 0;        ///< rad/s per m/s2, median; see vibration.hpp
     Vec3 up = Vec3::Zero();           ///< by gravity, body axes; zero: not known
     double tilt_scatter = 0;          ///< rad, root mean square between passages
+    double usual_samples() const;     ///< that are compared of a passage
     std::vector<Beginnings> recorded; ///< to find out if one of them is monitored
 };
 

@@ -110,7 +110,7 @@ std::vector<SampleRange> ranges_in(const Compared& c, const Interval& interval) 
 void compare(SensorResult& result, const Compared& c, const PassageCause& cause, bool is_moved,
              const MonitorSettings& s) {
     auto values = features_of(*c.recording, c.vibration, c.ranges);
-    add_model_features(values, c.baseline->model, c.runs);
+    add_model_features(values, c.baseline->model, c.runs, c.baseline->usual_samples());
     const auto expected = c.baseline->features.expected(cause);
     result.features.resize(values.size());
     for (std::size_t f = 0; f < values.size(); ++f) {
@@ -121,7 +121,9 @@ void compare(SensorResult& result, const Compared& c, const PassageCause& cause,
             continue;
         judged.difference = values[f] - expected[f].mean;
         judged.deviation = expected[f].deviation();
-        judged.p = p_of_deviation(judged.difference / judged.deviation, expected[f].degrees);
+        const double t = judged.difference / judged.deviation;
+        judged.p = p_of_deviation(all_features()[f].only_above ? std::max(0.0, t) : t,
+                                  expected[f].degrees);
     }
     result.outlier_shares = c.baseline->report_rule.outlier_shares(c.runs);
     std::vector<double> begins;

@@ -34,7 +34,7 @@ struct SensorResult {
     double compared = 0; ///< s, of it that is compared
     double turned = 0;   ///< rad, direction of gravity from that of the baseline
     std::vector<JudgedFeature> features = {}; ///< in the order of all_features(); empty: none
-    std::array<double, readings.size()> outlier_shares{unknown, unknown, unknown, unknown};
+    std::array<double, readings.size()> outlier_shares{unknown, unknown, unknown};
     ChartPoints points = {};
     Spectrum spectrum = {}; ///< without segments: not computed
 

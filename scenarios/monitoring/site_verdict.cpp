@@ -47,6 +47,10 @@ Course course_of(const std::vector<PassageResult>& passages, unsigned id,
         course.trends.push_back(trend_of(deviations, course.results.back()->features[f].expected,
                                          baseline->features.serial(),
                                          baseline->features.between()));
+        if (!all_features()[f].only_above) continue;
+        Trend& trend = course.trends.back(); // what is below is no change
+        if (trend.mean < 0) trend.p_mean = 1;
+        if (trend.slope < 0) trend.p_slope = 1;
     }
     return course;
 }
