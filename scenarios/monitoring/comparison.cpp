@@ -103,7 +103,8 @@ Trend trend_of(const std::vector<double>& deviations, const ExpectedFeature& exp
         by_step += std::pow(z[i] - trend.mean, 2);
         by_slope += std::pow(z[i] - trend.slope * at[i], 2);
     }
-    trend.is_slope = by_slope < by_step;
+    constexpr std::size_t fewest = 5; // passages that tell a slope from a step
+    trend.is_slope = z.size() >= fewest && by_slope < by_step;
     return trend;
 }
 

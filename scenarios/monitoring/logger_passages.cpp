@@ -27,8 +27,9 @@ bool is_of_logger(const fs::path& file) {
     for (char& c : kind) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (kind != ".csv" && kind != ".txt" && kind != ".tsv" && kind != ".log") return false;
     const bool is_metadata = name.starts_with("rock_") && kind == ".txt" && name.size() == 11;
-    return !is_metadata && name != "passages.csv" && name != "columns.txt" && name != "machine_columns.txt" &&
-           name != "quality_control.txt" && !name.starts_with("README");
+    return !is_metadata && name != "passages.csv" && name != "columns.txt" &&
+           name != "machine_columns.txt" && name != "quality_control.txt" &&
+           !name.starts_with("README");
 }
 
 /// A file by what it is known to hold; its samples are kept if there is room.

@@ -143,14 +143,19 @@ OverallVerdict verdict_without_change(const std::vector<PassageResult>& passages
             worst = {one.verdict, fmt::format("in {}: {}", passage.name, one.reason)};
         }
     if (worst.verdict == Verdict::no_train && alone == 0) return worst;
+    if (alone > 1 && 3 * alone > s.judged) { // more than chance can explain
+        const MostSerious most = most_serious_result(passages, s.id);
+        return {most.sensor->verdict,
+                fmt::format("in {} of {} passages, as in {}: {}", alone, s.judged,
+                            most.passage->name, most.sensor->reason)};
+    }
     if (worst.verdict > Verdict::as_baseline) return worst;
     std::string text = fmt::format(
         "vertical vibration {:.2f} times in {} {}; below {:.2f} or above {:.2f} times would have "
         "been seen in 90 % of such runs",
         s.level_ratio, s.judged, s.judged == 1 ? "passage" : "passages", s.seen_below,
         s.seen_above);
-    if (alone > 0)
-        text += fmt::format("; {} by itself differed, no more than chance lets differ", alone);
+    if (alone > 0) text += fmt::format("; {} differed by itself, which chance explains", alone);
     return {Verdict::as_baseline, text};
 }
 

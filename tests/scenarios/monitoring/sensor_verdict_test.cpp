@@ -169,8 +169,7 @@ TEST_SUITE("monitoring/sensor_verdict") {
         CHECK(quiet.level_ratio() < 0.1);
         const auto turned = [](double angle, const Vec3& axis) {
             return [=](Recording& r) {
-                const Mat3 turn =
-                    Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+                const Mat3 turn = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
                 for (Vec3& f : r.force) f = turn * f;
                 for (Vec3& w : r.rate) w = turn * w;
             };
@@ -271,7 +270,8 @@ TEST_SUITE("monitoring/sensor_verdict") {
         Passage now = passage("clean", 24);
         CHECK(mentions(judge_passage(now, by_speed, {}).sensors[0], "at least 4 passages"));
         now.cause.condition = "freight";
-        CHECK(mentions(judge_passage(now, by_speed, {}).sensors[0], "speed_m_s: expected a number"));
+        CHECK(
+            mentions(judge_passage(now, by_speed, {}).sensors[0], "speed_m_s: expected a number"));
         now.cause.numbers["speed_m_s"] = 40;
         CHECK(mentions(judge_passage(now, by_speed, {}).sensors[0], "expected 20 to 27"));
         now.cause.numbers["speed_m_s"] = 23;
@@ -297,8 +297,8 @@ TEST_SUITE("monitoring/sensor_verdict") {
         CHECK(s.level_ratio() == doctest::Approx(2).epsilon(0.25));
         const auto ratio = [&](std::string_view name) {
             const auto at = std::ranges::find(all_features(), name, &Feature::name);
-            return std::exp(s.features[static_cast<std::size_t>(at - all_features().begin())]
-                                .difference);
+            return std::exp(
+                s.features[static_cast<std::size_t>(at - all_features().begin())].difference);
         };
         CHECK(ratio("level_total") == doctest::Approx(2).epsilon(0.25));
         CHECK(ratio("roll_rate") == doctest::Approx(4).epsilon(0.4));

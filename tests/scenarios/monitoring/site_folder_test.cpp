@@ -80,8 +80,7 @@ TEST_SUITE("monitoring/site_folder") {
         CHECK(first["passages"] == 3);
         const auto second = run(tomorrow, "second");
         CHECK(second["passages"] == 6);
-        CHECK(
-            (second["verdict"] == "louder" || second["verdict"] == "drifts"));
+        CHECK((second["verdict"] == "louder" || second["verdict"] == "drifts"));
         CHECK(second["passages_changed"] == 3);
         const auto again = run(tomorrow, "again"); // they are there
         CHECK(again["passages"] == 6);
