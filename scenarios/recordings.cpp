@@ -73,7 +73,7 @@ struct Judged {
                "each file is a passage.");
         option("rate", logger.rate, "Hz",
                "Sampling rate of each sensor, if the files have no times; 0: by the files.",
-               at_least(0).usually(1, 1e5));
+               within(0, 1e6).usually(1, 1e5));
         option("axes", logger.axes, "",
                "Columns of the files by number, from 1, or by title, with units where they are "
                "not stated: \"t=1 ms, id=2, ax=3 g, ay=4, az=-5, gx=6 deg/s\". Empty: found.");

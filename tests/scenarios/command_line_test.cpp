@@ -342,19 +342,10 @@ TEST_SUITE("scenarios/command_line") {
              {Command{"smartrock_net", {"--rock-repeats", "2.5"}},
               Command{"smartrock_net", {"--packet-samples", "3.5"}},
               Command{"smartrock_net", {"--contact-interval", "0.5"}},
-              Command{"monitor", {"--segment", "77"}},
-              Command{"monitor", {"--band-low", "90", "--band-high", "80"}}})
+              Command{"monitor", {"--segment", "77"}}})
             check_refusal(command, outcome_of(command), 2, command.flags.front());
         const Command impact{"verify", {"--restitution", "0.01", "--steps-per-contact", "1.01"}};
         check_refusal(impact, outcome_of(impact), 2, "steps per contact are not enough");
-        // at half of the sampling rate of the synthetic recordings, which are written first
-        const Outcome beyond = outcome_of({"monitor",
-                                           {"--band-low", "150", "--band-high", "200",
-                                            "--example-duration", "4", "--example-passages", "1"}});
-        CAPTURE(beyond.err);
-        CHECK(beyond.code == 2);
-        CHECK(beyond.err.starts_with("monitor: --band-low: expected less than half of the "
-                                     "sampling rate"));
     }
 
     TEST_CASE("a checkpoint whose name leads to itself is no input to go on from") {
