@@ -163,10 +163,16 @@ void check(const Monitor& m, const Common& common) {
             fmt::format("--segment: expected a number without other prime factors than 2, 3 and 5, "
                         "such as {}, found {}",
                         fast_length_for(s.segment), s.segment));
-    const bool has_site_baseline = !m.site.empty() && std::filesystem::exists(m.site / "baseline");
-    require(!has_site_baseline || m.baseline.paths.empty(),
-            fmt::format("--baseline: expected none, since '{}' has one, found {}", m.site.string(),
-                        m.baseline.paths));
+    const bool has_site_baseline = !m.site.empty() && std::filesystem::exists(m.site / "baseline"),
+               was_judged = !m.site.empty() && std::filesystem::exists(m.site / "recordings");
+    require(m.site.empty() || has_site_baseline || !m.baseline.paths.empty(),
+            fmt::format("--site: expected a folder with a baseline, or --baseline with it, found "
+                        "'{}' without one",
+                        m.site.string()));
+    require(!was_judged || m.baseline.paths.empty(),
+            fmt::format(
+                "--baseline: expected none, since '{}' has judged passages by its own, found {}",
+                m.site.string(), m.baseline.paths));
     require(m.stream.empty() || m.recordings.paths.empty(),
             "--stream, --recordings: expected one of the two, found both");
     const bool given =

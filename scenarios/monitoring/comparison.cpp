@@ -98,13 +98,23 @@ Trend trend_of(const std::vector<double>& deviations, const ExpectedFeature& exp
     trend.p_slope = p_of_deviation(
         trend.slope / std::sqrt(of_slope + sum * sum / (squares * squares) * expected.of_mean),
         expected.degrees, squares * squares / fourths);
-    double by_step = 0, by_slope = 0;
+    double by_mean = 0, by_slope = 0, after = 0, before = 0;
     for (std::size_t i = 0; i < z.size(); ++i) {
-        by_step += std::pow(z[i] - trend.mean, 2);
-        by_slope += std::pow(z[i] - trend.slope * at[i], 2);
+        by_mean += (z[i] - trend.mean) * (z[i] - trend.mean);
+        by_slope += (z[i] - trend.slope * at[i]) * (z[i] - trend.slope * at[i]);
+        before += z[i] * z[i];
+    }
+    double by_step = before, squares_after = 0; // 0 before the step, the mean after it
+    for (std::size_t i = z.size(); i-- > 0;) {
+        after += z[i];
+        squares_after += z[i] * z[i];
+        before -= z[i] * z[i];
+        const double count = static_cast<double>(z.size() - i);
+        by_step = std::min(by_step, before + squares_after - after * after / count);
     }
     constexpr std::size_t fewest = 5; // passages that tell a slope from a step
-    trend.is_slope = z.size() >= fewest && by_slope < by_step;
+    constexpr double for_place = 4;   // what a step must gain, since it may be anywhere
+    trend.is_slope = z.size() >= fewest && by_slope < by_mean && by_slope < by_step + for_place;
     return trend;
 }
 

@@ -116,6 +116,11 @@ void add_baseline(HtmlPage& page, const MonitorReport& report) {
             ? fmt::format("{} sessions", sessions)
             : std::string("one session: how other days differ is not known, so that another "
                           "day's weather or trains may look like a change")));
+    for (const SensorBaseline& b : report.baselines)
+        if (b.left_out > 0)
+            page.paragraph(
+                fmt::format("Baseline of sensor {}: {} passages left out, the first one: {}.", b.id,
+                            b.left_out, b.left_out_because));
 }
 
 void add_history(HtmlPage& page, const MonitorReport& report) {

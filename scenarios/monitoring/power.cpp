@@ -62,11 +62,19 @@ bool is_found(const LevelScatter& scatter, const PlannedChange& change, Random& 
         if (has_trend) {
             const Trend trend = trend_of(z, level, scatter.serial, scatter.between);
             p.insert(p.end(), {trend.p_mean, trend.p_slope});
-            shares.insert(shares.end(), {share / 3, share / 3});
+            shares.insert(shares.end(), {share / 4, share / 4});
+        }
+        std::size_t windows = 0; // as in judge_together
+        for (std::size_t last = 2; last < z.size(); last *= 2) ++windows;
+        for (std::size_t last = 2; last < z.size(); last *= 2) {
+            p.push_back(trend_of({z.end() - static_cast<std::ptrdiff_t>(last), z.end()}, level,
+                                 scatter.serial, scatter.between)
+                            .p_mean);
+            shares.push_back(share / 4 / static_cast<double>(windows));
         }
         for (const double one : z) {
             p.push_back(p_of_deviation(one / std::sqrt(1 + level.of_mean), level.degrees));
-            shares.push_back((has_trend ? share / 3 : share) / static_cast<double>(z.size()));
+            shares.push_back((has_trend ? share / 4 : share) / static_cast<double>(z.size()));
         }
     }
     // what is not judged here, the other features, keeps its part of the false alarms

@@ -11,6 +11,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace bris {
 
@@ -31,9 +32,15 @@ struct Collected {
     std::vector<double> rates_per_force;
     std::vector<Vec3> ups;
     double rate = 0; // Hz
+    std::size_t left_out = 0;
     std::string refused_because;
     std::vector<FeatureRow> rows;
 };
+
+void leave_out(Collected& all, const std::string& reason) {
+    ++all.left_out;
+    if (all.refused_because.empty()) all.refused_because = reason;
+}
 
 void collect(Collected& all, const Recording& r, const PassageCause& cause,
              const std::string& refusal, const MonitorSettings& settings) {
@@ -47,7 +54,7 @@ void collect(Collected& all, const Recording& r, const PassageCause& cause,
     if (reason.empty() && !all.recorded.empty() && !is_same_rate(all.rate, r.info.sampling_rate))
         reason = "its passages have different sampling rates";
     if (!reason.empty()) {
-        if (all.refused_because.empty()) all.refused_because = reason;
+        leave_out(all, reason);
         return;
     }
     if (all.recorded.empty()) all.rate = r.info.sampling_rate;
@@ -110,6 +117,25 @@ void add_features_by_others(Collected& all, std::size_t order, double usual,
     }
 }
 
+/// Leaves out passages without a feature, or a number of the cause, that three quarters have: one
+/// of them would switch it off for all.
+void leave_out_odd(Collected& all) {
+    const auto leave_out_without = [&](auto&& has) {
+        const auto with = static_cast<std::size_t>(std::ranges::count_if(all.rows, has));
+        if (4 * with < 3 * all.rows.size() || with < least_passages) return;
+        for (std::size_t k = with; k < all.rows.size(); ++k)
+            leave_out(all, "something that the others have was not recorded, or not stated");
+        std::erase_if(all.rows, [&](const FeatureRow& row) { return !has(row); });
+    };
+    for (std::size_t f = 0; f < all_features().size(); ++f)
+        leave_out_without([&](const FeatureRow& row) { return std::isfinite(row.values[f]); });
+    std::set<std::string> names;
+    for (const FeatureRow& row : all.rows)
+        for (const auto& [name, value] : row.cause.numbers) names.insert(name);
+    for (const std::string& name : names)
+        leave_out_without([&](const FeatureRow& row) { return row.cause.numbers.contains(name); });
+}
+
 void find_up(SensorBaseline& b, const std::vector<Vec3>& ups) {
     if (ups.empty()) return;
     for (const Vec3& up : ups) b.up += up;
@@ -146,8 +172,17 @@ void estimate(SensorBaseline& b, Collected& all, const MonitorSettings& settings
     b.report_rule = ReportRule(b.model, passages, settings.report_rule);
     if (longest >= settings.segment)
         b.spectrum = welch(runs, b.rate, {.segment = settings.segment});
-    for (auto& p : all.passages)
-        if (!p.runs.empty()) all.rows.push_back({std::move(p.cause), std::move(p.features)});
+    for (auto& p : all.passages) {
+        double seconds = 0;
+        for (const auto& run : p.runs) seconds += static_cast<double>(run.size()) / b.rate;
+        if (seconds < settings.least_duration)
+            leave_out(all, fmt::format("{:.3g} s while a train passes", seconds));
+        else
+            all.rows.push_back({std::move(p.cause), std::move(p.features)});
+    }
+    leave_out_odd(all);
+    b.left_out = all.left_out;
+    b.left_out_because = all.refused_because;
 }
 
 } // namespace

@@ -51,6 +51,8 @@ struct SensorBaseline {
     std::string impossible_because; ///< why it is none; empty: it is one
     double rate = 0;                ///< Hz
     std::size_t samples = 0;        ///< that are compared
+    std::size_t left_out = 0;       ///< passages
+    std::string left_out_because;   ///< the first of them
     double train_threshold = 0;     ///< m/s2, or rad/s, root mean square while a train passes
     double rms = 0;                 ///< of the time while trains pass
     ArModel model;

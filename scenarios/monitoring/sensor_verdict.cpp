@@ -38,6 +38,9 @@ std::string reason_against(const Recording& r, const Vibration& v,
     if (!baseline.impossible_because.empty()) return "no baseline: " + baseline.impossible_because;
     if (r.size() == 0) return "no samples";
     if (!refusal.empty()) return "refused by quality control: " + refusal;
+    if (v.impossible_because.empty() && v.duration < s.least_duration)
+        return fmt::format("too short: expected at least {:g} s, found {:.3g} s", s.least_duration,
+                           v.duration);
     if (!v.impossible_because.empty()) return v.impossible_because;
     if (!is_same_rate(v.rate, baseline.rate))
         return fmt::format("sampling rate: expected {:g} Hz as in the baseline, found {:g}",
@@ -220,6 +223,15 @@ bool seems_turned(const SensorResult& s) {
     return by_axis && !others && !has_motion_change;
 }
 
+/// "not judged, since it was not recorded: roll, pitch; "; empty: what the baseline has was judged.
+std::string missing_in(const SensorResult& s) {
+    std::string names;
+    for (std::size_t f = 0; f < s.features.size(); ++f)
+        if (s.features[f].expected.is_known() && !is_judged(s.features[f]))
+            names += (names.empty() ? "" : ", ") + std::string(all_features()[f].meaning);
+    return names.empty() ? "" : "not judged, since it was not recorded: " + names + "; ";
+}
+
 void decide(SensorResult& s, bool is_moved) {
     if (std::ranges::none_of(s.features, is_judged)) {
         s.reason = "no feature has a number";
@@ -234,9 +246,9 @@ void decide(SensorResult& s, bool is_moved) {
     } else if (changes.empty()) {
         s.verdict = Verdict::as_baseline;
         s.reason =
-            fmt::format("vertical vibration {:.2f} times; below {:.2f} or above {:.2f} times "
+            fmt::format("{}vertical vibration {:.2f} times; below {:.2f} or above {:.2f} times "
                         "would have been seen in 90 % of passages",
-                        s.level_ratio(), s.seen_below(), s.seen_above());
+                        missing_in(s), s.level_ratio(), s.seen_below(), s.seen_above());
     } else if (seems_turned(s)) {
         s.verdict = Verdict::moved;
         s.reason =

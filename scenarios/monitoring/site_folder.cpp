@@ -62,10 +62,9 @@ bool keep_passage(const fs::path& folder, const Passage& passage) {
         if (!fs::exists(metadata)) write_sensor_info(metadata, r.info);
         const SensorInfo there = read_sensor_info(metadata);
         require(is_same_rate(there.sampling_rate, r.info.sampling_rate),
-                fmt::format("{}: sampling_rate: expected that of the passage '{}', {:g} Hz, found "
-                            "{:g}",
-                            metadata.string(), passage.name, r.info.sampling_rate,
-                            there.sampling_rate));
+                fmt::format("passage '{}': sensor {}: expected {:g} Hz as in '{}', found {:g}",
+                            passage.name, r.info.id, there.sampling_rate, folder.string(),
+                            r.info.sampling_rate));
         r.info = there;
     }
     const std::string name = fmt::format("{:05}_{}", last + 1, passage.name);

@@ -39,7 +39,10 @@ std::vector<Segment> segments_of(const std::vector<FeatureRow>& rows,
     std::map<std::string, Segment> by_session;
     for (const std::size_t row : of_condition) by_session[rows[row].cause.session].push_back(row);
     std::vector<Segment> segments;
-    if (by_session.size() == of_condition.size()) return {of_condition}; // each is one of its own
+    // where most sessions have one passage, the scatter within them is not known: then all is one
+    const std::size_t within = of_condition.size() - by_session.size();
+    if (by_session.size() > 1 && (within < 3 || 3 * within < of_condition.size()))
+        return {of_condition};
     for (auto& [session, segment] : by_session) segments.push_back(std::move(segment));
     return segments;
 }

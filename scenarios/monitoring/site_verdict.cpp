@@ -12,12 +12,12 @@ namespace bris {
 
 namespace {
 
-/// A hypothesis about a feature of a sensor: that its mean, its slope, or one passage is as the
-/// baseline.
+/// A hypothesis about a feature of a sensor: that its mean, its slope, the mean of the last
+/// passages, or one passage is as the baseline. Each kind has a quarter of the false alarms.
 struct Hypothesis {
-    enum class Kind { mean, slope, passage };
+    enum class Kind { mean, slope, recent, passage };
     Kind kind;
-    std::size_t sensor, feature, passage = 0;
+    std::size_t sensor, feature, passage = 0; ///< of recent: the first one
     double p, share;
     bool is_rejected = false;
 };
@@ -26,8 +26,15 @@ struct Hypothesis {
 struct Course {
     std::vector<const PassageResult*> passages;
     std::vector<const SensorResult*> results;
-    std::vector<Trend> trends; // of each feature
+    std::vector<Trend> trends;                                      // of each feature
+    std::vector<std::vector<std::pair<std::size_t, Trend>>> recent; // from a passage on
 };
+
+/// What a one-sided feature shows below its mean is no change.
+void ignore_below(Trend& trend) {
+    if (trend.mean < 0) trend.p_mean = 1;
+    if (trend.slope < 0) trend.p_slope = 1;
+}
 
 Course course_of(const std::vector<PassageResult>& passages, unsigned id,
                  const SensorBaseline* baseline) {
@@ -44,13 +51,20 @@ Course course_of(const std::vector<PassageResult>& passages, unsigned id,
         for (const SensorResult* s : course.results)
             deviations.push_back(s->features[f].difference /
                                  std::sqrt(s->features[f].expected.variance));
-        course.trends.push_back(trend_of(deviations, course.results.back()->features[f].expected,
-                                         baseline->features.serial(),
-                                         baseline->features.between()));
-        if (!all_features()[f].only_above) continue;
-        Trend& trend = course.trends.back(); // what is below is no change
-        if (trend.mean < 0) trend.p_mean = 1;
-        if (trend.slope < 0) trend.p_slope = 1;
+        const auto trend = [&](const std::vector<double>& of) {
+            Trend found = trend_of(of, course.results.back()->features[f].expected,
+                                   baseline->features.serial(), baseline->features.between());
+            if (all_features()[f].only_above) ignore_below(found);
+            return found;
+        };
+        course.trends.push_back(trend(deviations));
+        auto& recent = course.recent.emplace_back();
+        for (std::size_t last = 2; last < deviations.size(); last *= 2) {
+            const std::size_t first = deviations.size() - last;
+            recent.emplace_back(
+                first,
+                trend({deviations.begin() + static_cast<std::ptrdiff_t>(first), deviations.end()}));
+        }
     }
     return course;
 }
@@ -72,10 +86,13 @@ void add_hypotheses(std::vector<Hypothesis>& all, const Course& course, std::siz
         const Trend& trend = course.trends[f];
         const bool has_trend = trend.passages > 1;
         if (has_trend) {
-            all.push_back({mean, sensor, f, 0, trend.p_mean, shares[f] / 3});
-            all.push_back({slope, sensor, f, 0, trend.p_slope, shares[f] / 3});
+            all.push_back({mean, sensor, f, 0, trend.p_mean, shares[f] / 4});
+            all.push_back({slope, sensor, f, 0, trend.p_slope, shares[f] / 4});
         }
-        const double each = (has_trend ? shares[f] / 3 : shares[f]) /
+        for (const auto& [first, last] : course.recent[f])
+            all.push_back({recent, sensor, f, first, last.p_mean,
+                           shares[f] / 4 / static_cast<double>(course.recent[f].size())});
+        const double each = (has_trend ? shares[f] / 4 : shares[f]) /
                             static_cast<double>(std::max<std::size_t>(1, trend.passages));
         for (std::size_t k = 0; k < course.results.size(); ++k)
             if (const double p = course.results[k]->features[f].p; std::isfinite(p))
@@ -115,6 +132,17 @@ OverallVerdict verdict_by(const Hypothesis& h, const Course& course) {
                                 ? fmt::format("{:+.1f} standard deviations", difference / unit)
                                 : factor_text(feature.factor, difference),
                             p)};
+    }
+    if (h.kind == Hypothesis::Kind::recent && !trend.is_slope) {
+        const auto found = std::ranges::find(course.recent[h.feature], h.passage,
+                                             &std::pair<std::size_t, Trend>::first);
+        const Trend& window = found->second;
+        return {kind(window.mean),
+                fmt::format("{} {} in the mean of the last {} of {} passages {}", feature.meaning,
+                            feature.factor == 0
+                                ? fmt::format("{:+.1f} standard deviations", window.mean)
+                                : factor_text(feature.factor, window.mean * unit),
+                            window.passages, trend.passages, p)};
     }
     if (trend.is_slope)
         return {Verdict::drifts,
@@ -179,7 +207,7 @@ void add_level(SensorSummary& s, const Course& course, std::size_t sensors, doub
     }
     s.level_ratio = std::exp(s.level.mean * unit);
     const double seen =
-        seen_in_90_per_cent(of_run, false_alarms * share * (s.level.passages < 2 ? 1 : 1.0 / 3));
+        seen_in_90_per_cent(of_run, false_alarms * share * (s.level.passages < 2 ? 1 : 1.0 / 4));
     s.seen_below = std::exp(-seen);
     s.seen_above = std::exp(seen);
 }
@@ -221,13 +249,18 @@ std::vector<SensorSummary> judge_together(const std::vector<PassageResult>& pass
             (worst[all[k].sensor] == nullptr || tells_more(all[k], *worst[all[k].sensor])))
             worst[all[k].sensor] = &all[k];
     for (std::size_t k = 0; k < sensors.size(); ++k) {
-        const bool is_moved = std::ranges::any_of(
-            courses[k].results, [](const SensorResult* s) { return s->verdict == Verdict::moved; });
-        sensors[k].overall = worst[k] != nullptr && !is_moved
-                                 ? verdict_by(*worst[k], courses[k])
-                                 : verdict_without_change(passages, sensors[k]);
-        if (worst[k] != nullptr && is_moved)
-            sensors[k].overall.reason += "; " + verdict_by(*worst[k], courses[k]).reason;
+        const auto moved = std::ranges::find(courses[k].results, Verdict::moved,
+                                             [](const SensorResult* one) { return one->verdict; });
+        const bool is_moved = moved != courses[k].results.end();
+        if (worst[k] == nullptr || (is_moved && all_features()[worst[k]->feature].by_axis)) {
+            sensors[k].overall = verdict_without_change(passages, sensors[k]);
+            continue;
+        }
+        sensors[k].overall = verdict_by(*worst[k], courses[k]);
+        if (!is_moved) continue;
+        const auto place = static_cast<std::size_t>(moved - courses[k].results.begin());
+        sensors[k].overall.reason +=
+            fmt::format("; it was also moved, first in {}", courses[k].passages[place]->name);
     }
     return sensors;
 }

@@ -338,11 +338,10 @@ TEST_SUITE("scenarios/command_line") {
     }
 
     TEST_CASE("values within the range of their option are refused where they contradict others") {
-        for (const Command& command :
-             {Command{"smartrock_net", {"--rock-repeats", "2.5"}},
-              Command{"smartrock_net", {"--packet-samples", "3.5"}},
-              Command{"smartrock_net", {"--contact-interval", "0.5"}},
-              Command{"monitor", {"--segment", "77"}}})
+        for (const Command& command : {Command{"smartrock_net", {"--rock-repeats", "2.5"}},
+                                       Command{"smartrock_net", {"--packet-samples", "3.5"}},
+                                       Command{"smartrock_net", {"--contact-interval", "0.5"}},
+                                       Command{"monitor", {"--segment", "77"}}})
             check_refusal(command, outcome_of(command), 2, command.flags.front());
         const Command impact{"verify", {"--restitution", "0.01", "--steps-per-contact", "1.01"}};
         check_refusal(impact, outcome_of(impact), 2, "steps per contact are not enough");
