@@ -445,16 +445,20 @@ private:
     }
 
     MonitorReport report() const {
-        return {what_,         baseline_,      settings_, baselines_, log_->kept(),
-                log_->tally(), stream_report_, records_,  notes_};
+        return {what_,         baseline_,
+                settings_,     baselines_,
+                log_->kept(),  judge_together(log_->kept(), baselines_, settings_.false_alarms),
+                log_->tally(), stream_report_,
+                records_,      notes_};
     }
 
     void finish() {
         if (broker_) broker_->finish();
-        write_page(common_.out, report());
-        draw_pictures(common_.out, report());
+        const MonitorReport all = report();
+        write_page(common_.out, all);
+        draw_pictures(common_.out, all);
         Report summary;
-        add_results(summary, report());
+        add_results(summary, all);
         const double used = processor_time() - began_;
         summary.add("recorded_time_s", recorded_);
         summary.add("processor_time_s", used);
@@ -464,7 +468,7 @@ private:
             fmt::format("The page for people is {}.", (common_.out / "monitor.html").string()));
         report_results(common_, summary);
         if (m_.required != "all") return;
-        if (const std::string left = not_judged(report()); !left.empty())
+        if (const std::string left = not_judged(all); !left.empty())
             throw NotJudged("--require all: " + left);
     }
 

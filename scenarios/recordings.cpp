@@ -5,11 +5,11 @@
 // machine.
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
-#include "engine/io/csv.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/report.hpp"
 #include "scenarios/monitoring/logger_passages.hpp"
 #include "scenarios/monitoring/passage.hpp"
+#include "scenarios/monitoring/recorded_passages.hpp"
 #include "scenarios/records/draw_recordings.hpp"
 #include "scenarios/records/new_recordings.hpp"
 #include "scenarios/records/quality_control_report.hpp"
@@ -218,15 +218,6 @@ void judge(const Judged& s, const Common& common) {
     if (unreadable) std::rethrow_exception(unreadable);
 }
 
-/// The files or folders of --new: separated by commas, unless one file has them in its name.
-std::vector<std::filesystem::path> new_files(const std::string& text) {
-    if (std::filesystem::exists(text)) return {text};
-    std::vector<std::filesystem::path> files;
-    for (const auto name : cells_of(text))
-        if (!name.empty()) files.emplace_back(name);
-    return files;
-}
-
 /// Converts files of a logger to passages, each in a folder of its own. Returns what was assumed
 /// and written.
 std::string write_track(const Judged& s, const std::vector<std::filesystem::path>& files,
@@ -269,7 +260,7 @@ void run(Judged s, const Common& common) {
     require(s.pressures.size() <= 1,
             "--confining-pressure: expected one pressure with --new, found several");
     s.logger.columns = s.quality_control.columns;
-    const auto files = logger_files(new_files(s.sensors), "--new");
+    const auto files = logger_files(RecordingsNamed{s.sensors, "--new"}.list(), "--new");
     const NewRecordings of_test{.sensors = files,
                                 .machine = s.machine,
                                 .pressure = s.pressures.empty() ? 55e3 : s.pressures.front(),
@@ -279,30 +270,15 @@ void run(Judged s, const Common& common) {
     fmt::print("{}", is_track ? write_track(s, files, common) : write_new_recordings(of_test));
 }
 
-/// The words of a command line, where the folder may be the first word without its option, and the
-/// files of --new may be several.
-std::vector<std::string> words_of(const std::vector<std::string>& given) {
-    std::vector<std::string> words;
-    bool is_new = false; // whether files of --new may follow
-    for (std::size_t k = 0; k < given.size(); ++k) {
-        const bool is_option = given[k].starts_with('-');
-        if (k == 1 && !is_option) words.emplace_back("--recordings");
-        const bool is_next_file = is_new && !is_option && words.back() != "--new";
-        if (is_next_file)
-            words.back() += "," + given[k];
-        else
-            words.push_back(given[k]);
-        is_new = given[k] == "--new" || (is_new && !is_option);
-    }
-    return words;
-}
-
 } // namespace
 
 } // namespace bris
 
 int main(int argc, char** argv) {
-    std::vector<std::string> words = bris::words_of({argv, argv + argc});
+    std::vector<std::string> words(argv, argv + argc);
+    // the folder may be the first word
+    if (argc > 1 && argv[1][0] != '-') words.insert(words.begin() + 1, "--recordings");
+    words = bris::with_listed_files(words, {"--new"});
     std::vector<char*> pointers;
     for (std::string& word : words) pointers.push_back(word.data());
     return bris::run_scenario<bris::Judged>(

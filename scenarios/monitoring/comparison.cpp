@@ -118,4 +118,38 @@ Trend trend_of(const std::vector<double>& deviations, const ExpectedFeature& exp
     return trend;
 }
 
+std::vector<TestOfRun> tests_of_run(const std::vector<double>& deviations,
+                                    const std::vector<double>& p, const ExpectedFeature& expected,
+                                    double serial, double between, bool only_above, double share) {
+    using enum TestOfRun::Kind;
+    const auto trend_from = [&](std::size_t first) {
+        Trend trend =
+            trend_of({deviations.begin() + static_cast<std::ptrdiff_t>(first), deviations.end()},
+                     expected, serial, between);
+        if (only_above && trend.mean < 0) trend.p_mean = 1;
+        if (only_above && trend.slope < 0) trend.p_slope = 1;
+        return trend;
+    };
+    std::vector<TestOfRun> tests;
+    const Trend whole = trend_from(0);
+    const bool has_trend = whole.passages > 1;
+    if (has_trend) {
+        tests.push_back({mean, 0, whole.p_mean, share / 4, whole});
+        tests.push_back({slope, 0, whole.p_slope, share / 4, whole});
+    }
+    std::vector<std::size_t> firsts; // of the last ones
+    for (std::size_t last = 2; last < deviations.size(); last *= 2)
+        firsts.push_back(deviations.size() - last);
+    for (const std::size_t first : firsts) {
+        const Trend last = trend_from(first);
+        tests.push_back(
+            {recent, first, last.p_mean, share / 4 / static_cast<double>(firsts.size()), last});
+    }
+    const double each = (has_trend ? share / 4 : share) /
+                        static_cast<double>(std::max<std::size_t>(1, whole.passages));
+    for (std::size_t k = 0; k < p.size(); ++k)
+        if (std::isfinite(p[k])) tests.push_back({passage, k, p[k], each, {}});
+    return tests;
+}
+
 } // namespace bris

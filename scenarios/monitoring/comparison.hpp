@@ -45,4 +45,20 @@ struct Trend {
 Trend trend_of(const std::vector<double>& deviations, const ExpectedFeature& expected,
                double serial, double between);
 
+/// One of the tests of several passages of a feature: of their mean, of a straight line from the
+/// baseline on, of the means of the last 2, 4, 8 ... passages, and of each passage by itself. Each
+/// kind has a quarter of the feature's share of the false alarms.
+struct TestOfRun {
+    enum class Kind { mean, slope, recent, passage };
+    Kind kind;
+    std::size_t passage = 0; ///< that is tested, or the first one of the last
+    double p, share;
+    Trend trend; ///< of mean, slope and recent
+};
+/// `deviations`, `expected`, `serial` and `between`: as trend_of has them; `p`: of each passage by
+/// itself, NaN: not judged; `only_above`: what is below is no change; `share`: of the feature.
+std::vector<TestOfRun> tests_of_run(const std::vector<double>& deviations,
+                                    const std::vector<double>& p, const ExpectedFeature& expected,
+                                    double serial, double between, bool only_above, double share);
+
 } // namespace bris

@@ -1,6 +1,5 @@
 #include "scenarios/monitoring/features.hpp"
 
-#include "engine/errors.hpp"
 #include "engine/signal/fft.hpp"
 #include "engine/signal/spectrum.hpp"
 
@@ -24,16 +23,6 @@ constexpr double highest = 0.45;     // of the sampling rate: beyond it filters 
 constexpr double least_share = 1e-9; // of the power, in a band
 
 double half_logarithm(double square) { return square > 0 ? 0.5 * std::log(square) : unknown; }
-
-/// Mean square of a series about its mean.
-double mean_square(Runs runs) {
-    double sum = 0, n = 0, squares = 0;
-    for (const auto& run : runs)
-        for (const double x : run) sum += x, ++n;
-    for (const auto& run : runs)
-        for (const double x : run) squares += (x - sum / n) * (x - sum / n);
-    return squares / n;
-}
 
 /// Mean squares of three components about their means, over the samples of the ranges.
 Vec3 mean_squares(const std::vector<Vec3>& values, const std::vector<SampleRange>& ranges,
@@ -122,7 +111,7 @@ std::vector<double> features_of(const Recording& r, const Vibration& v,
                                 const std::vector<SampleRange>& ranges) {
     std::vector<double> features(all, unknown);
     if (ranges.empty()) return features;
-    features[level] = half_logarithm(mean_square(runs_in(v, ranges)));
+    features[level] = half_logarithm(moments_of(runs_in(v, ranges)).square);
     if (!r.force.empty()) {
         const Vec3 squares = mean_squares(r.force, ranges, upright(r, ranges));
         features[level_total] = half_logarithm(squares.sum());

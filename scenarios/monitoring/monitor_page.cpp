@@ -32,10 +32,6 @@ const SensorBaseline* baseline_of(const MonitorReport& report, unsigned id) {
     return found == report.baselines.end() ? nullptr : &*found;
 }
 
-std::vector<SensorSummary> sensors_of(const MonitorReport& report) {
-    return judge_together(report.passages, report.baselines, report.settings.false_alarms);
-}
-
 /// What the chosen quantity is called and measured in.
 struct Named {
     std::string name, density;
@@ -84,7 +80,7 @@ void add_sensor_table(HtmlPage& page, const MonitorReport& report) {
                                                 "vertical vibration", "judged", "first changed in",
                                                 "what to do"}};
     std::vector<std::string> kinds;
-    for (const SensorSummary& s : sensors_of(report)) {
+    for (const SensorSummary& s : report.sensors) {
         rows.push_back({fmt::format("{}", s.id), text_of(s.overall.verdict), s.overall.reason,
                         fmt::format("{} ({}-{} is not seen)", number(s.level_ratio),
                                     number(s.seen_below), number(s.seen_above)),
@@ -262,7 +258,7 @@ OverallVerdict overall_verdict(const MonitorReport& report) {
     if (report.records && report.tally.all() == 0)
         return {Verdict::not_enough_data,
                 report.records->received == 0 ? "nothing was recorded" : "no train passed"};
-    OverallVerdict v = overall_verdict(sensors_of(report));
+    OverallVerdict v = overall_verdict(report.sensors);
     if (v.verdict == Verdict::as_baseline)
         v.reason = report.tally.sentence();
     else if (report.tally.all() > 1)
@@ -334,7 +330,7 @@ void write_page(const std::filesystem::path& folder, const MonitorReport& report
     add_sensor_table(page, report);
     add_history(page, report);
     page.heading("Each sensor");
-    for (const SensorSummary& s : sensors_of(report)) add_sensor(page, report, s);
+    for (const SensorSummary& s : report.sensors) add_sensor(page, report, s);
     for (const auto& [heading, text] :
          {std::pair{"Stream", report.stream}, {"Files", report.notes}})
         if (!text.empty()) {
@@ -358,7 +354,7 @@ void write_page(const std::filesystem::path& folder, const MonitorReport& report
 void draw_pictures(const std::filesystem::path& folder, const MonitorReport& report) {
     std::vector<Plot> spectra, charts, histories;
     constexpr std::size_t most = 12; // panels
-    for (const SensorSummary& of : sensors_of(report)) {
+    for (const SensorSummary& of : report.sensors) {
         const SensorResult& s = *most_serious_result(report.passages, of.id).sensor;
         if (of.judged > 1 && histories.size() < most)
             histories.push_back(history_plot(report, of.id));
@@ -388,7 +384,7 @@ void add_results(Report& summary, const MonitorReport& report) {
         summary.add("records_quiet", report.records->quiet);
         summary.add("records_left_out", report.records->left_out);
     }
-    for (const SensorSummary& of : sensors_of(report)) {
+    for (const SensorSummary& of : report.sensors) {
         const SensorBaseline* b = baseline_of(report, of.id);
         Report sensor;
         const auto add = [&](const char* name, const auto& value) { sensor.add(name, value); };

@@ -19,6 +19,7 @@ struct MonitorReport {
     const MonitorSettings& settings;
     const std::vector<SensorBaseline>& baselines;
     const std::vector<PassageResult>& passages; ///< that are kept (PassageLog)
+    const std::vector<SensorSummary> sensors;   ///< judge_together of these passages
     const PassageTally& tally;                  ///< of all passages
     std::string stream = {};                    ///< report on the stream; empty: a folder was read
     std::optional<StreamCounts> records = {};   ///< of the stream

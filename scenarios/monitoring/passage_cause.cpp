@@ -1,12 +1,12 @@
 #include "scenarios/monitoring/passage_cause.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
 #include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 #include <vector>
@@ -15,28 +15,11 @@ namespace bris {
 
 namespace {
 
-std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells(1);
-    for (const char c : line)
-        if (c == ',')
-            cells.emplace_back();
-        else if (c != '\r' && c != '"')
-            cells.back() += c;
-    for (std::string& cell : cells) {
-        const auto first = cell.find_first_not_of(" \t");
-        cell = first == std::string::npos
-                   ? ""
-                   : cell.substr(first, cell.find_last_not_of(" \t") - first + 1);
-    }
-    return cells;
-}
-
-double number_in(const std::string& cell, const std::string& name, const std::string& where) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    require(error == std::errc{} && end == cell.data() + cell.size() && std::abs(value) < 1e300,
+double number_in(std::string_view cell, std::string_view name, const std::string& where) {
+    const auto value = number_of(cell);
+    require(value && std::abs(*value) < 1e300, // NaN, too
             fmt::format("{}: {}: expected a number, found '{}'", where, name, cell));
-    return value;
+    return *value;
 }
 
 } // namespace
@@ -52,7 +35,7 @@ std::map<std::string, PassageCause> read_causes(const std::filesystem::path& csv
         const auto cells = cells_of(line);
         if (line.starts_with('#') || (cells.size() == 1 && cells[0].empty())) continue;
         if (names.empty()) {
-            names = cells;
+            names.assign(cells.begin(), cells.end());
             require(std::ranges::count(names, "passage") == 1,
                     where + ": expected names of columns with one 'passage', found '" + line + "'");
             continue;

@@ -45,7 +45,6 @@ bool is_found(const LevelScatter& scatter, const PlannedChange& change, Random& 
         return z;
     };
     const auto common = series();
-    std::vector<double> p, shares;
     const double share =
         shares_of(std::vector<bool>(scatter.features, true), change.sensors).front();
     for (std::size_t s = 0; s < change.sensors; ++s) {
@@ -58,28 +57,17 @@ bool is_found(const LevelScatter& scatter, const PlannedChange& change, Random& 
         for (std::size_t k = 1; k < mine.size(); ++k)
             z.push_back(delta +
                         (own * (mine[k] - mine[0]) + shared * (common[k] - common[0])) / unit);
-        const bool has_trend = z.size() > 1;
-        if (has_trend) {
-            const Trend trend = trend_of(z, level, scatter.serial, scatter.between);
-            p.insert(p.end(), {trend.p_mean, trend.p_slope});
-            shares.insert(shares.end(), {share / 4, share / 4});
-        }
-        std::size_t windows = 0; // as in judge_together
-        for (std::size_t last = 2; last < z.size(); last *= 2) ++windows;
-        for (std::size_t last = 2; last < z.size(); last *= 2) {
-            p.push_back(trend_of({z.end() - static_cast<std::ptrdiff_t>(last), z.end()}, level,
-                                 scatter.serial, scatter.between)
-                            .p_mean);
-            shares.push_back(share / 4 / static_cast<double>(windows));
-        }
-        for (const double one : z) {
-            p.push_back(p_of_deviation(one / std::sqrt(1 + level.of_mean), level.degrees));
-            shares.push_back((has_trend ? share / 4 : share) / static_cast<double>(z.size()));
-        }
+        std::vector<double> each;
+        for (const double one : z)
+            each.push_back(p_of_deviation(one / std::sqrt(1 + level.of_mean), level.degrees));
+        // what is not judged here, the other features, keeps its part of the false alarms
+        const auto tests =
+            tests_of_run(z, each, level, scatter.serial, scatter.between, false, share);
+        if (std::ranges::any_of(tests, [&](const TestOfRun& test) {
+                return test.p <= change.false_alarms * test.share;
+            }))
+            return true;
     }
-    // what is not judged here, the other features, keeps its part of the false alarms
-    for (std::size_t k = 0; k < p.size(); ++k)
-        if (p[k] <= change.false_alarms * shares[k]) return true;
     return false;
 }
 

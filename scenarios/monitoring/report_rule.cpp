@@ -1,5 +1,7 @@
 #include "scenarios/monitoring/report_rule.hpp"
 
+#include "scenarios/monitoring/vibration.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -19,14 +21,10 @@ RunList residuals_of_runs(const ArModel& model, Runs runs) {
 }
 
 RunList standardised(Runs runs) {
-    double n = 0, sum = 0, squares = 0;
-    for (const auto& run : runs)
-        for (const double x : run) sum += x, ++n;
-    for (const auto& run : runs)
-        for (const double x : run) squares += (x - sum / n) * (x - sum / n);
+    const Moments moments = moments_of(runs);
     RunList all(runs.begin(), runs.end());
     for (auto& run : all)
-        for (double& x : run) x = (x - sum / n) / std::sqrt(squares / n);
+        for (double& x : run) x = (x - moments.mean) / std::sqrt(moments.square);
     return all;
 }
 

@@ -166,16 +166,6 @@ void find_changes(PassageResult& passage, double false_alarms) {
     for (std::size_t k = 0; k < places.size(); ++k) places[k]->is_changed = is_changed[k];
 }
 
-/// "vertical vibration 1.85 times (p = 2e-06)".
-std::string text_of(const JudgedFeature& f, const Feature& feature) {
-    const std::string p = fmt::format("(p = {:.1g})", f.p);
-    if (feature.factor == 0)
-        return fmt::format("{} {:+.1f} standard deviations {}", feature.meaning,
-                           f.difference / f.deviation, p);
-    return fmt::format("{} {:.2f} times {}", feature.meaning,
-                       std::exp(feature.factor * f.difference), p);
-}
-
 /// The changed features, the least probable first.
 std::string changes_of(const SensorResult& s) {
     std::vector<std::size_t> changed;
@@ -185,42 +175,37 @@ std::string changes_of(const SensorResult& s) {
     std::string text;
     constexpr std::size_t most = 3;
     for (std::size_t k = 0; k < std::min(most, changed.size()); ++k)
-        text += (k > 0 ? ", " : "") + text_of(s.features[changed[k]], all_features()[changed[k]]);
+        text +=
+            fmt::format("{}{} (p = {:.1g})", k > 0 ? ", " : "",
+                        change_text(all_features()[changed[k]], s.features[changed[k]].difference,
+                                    s.features[changed[k]].deviation),
+                        s.features[changed[k]].p);
     if (changed.size() > most) text += fmt::format(", and {} more", changed.size() - most);
     return text;
 }
 
-/// The kind of change: a level before a spectrum before a motion.
+/// The kind of change: a level before a spectrum before a motion, then the least probable one.
 Verdict kind_of_change(const SensorResult& s) {
-    Verdict verdict = Verdict::as_baseline;
-    double least = 2;
-    for (std::size_t f = 0; f < s.features.size(); ++f) {
-        const JudgedFeature& feature = s.features[f];
-        if (!feature.is_changed) continue;
-        const FeatureKind kind = all_features()[f].kind;
-        if (kind == FeatureKind::level && feature.p < least) {
-            least = feature.p;
-            verdict = feature.difference > 0 ? Verdict::louder : Verdict::quieter;
-        }
-        if (least <= 1) continue;
-        if (kind == FeatureKind::spectrum)
-            verdict = Verdict::another_spectrum;
-        else if (kind == FeatureKind::motion && verdict == Verdict::as_baseline)
-            verdict = Verdict::another_motion;
-    }
-    return verdict;
+    std::optional<std::size_t> first;
+    const auto order = [&](std::size_t f) {
+        return std::pair(all_features()[f].kind, s.features[f].p);
+    };
+    for (std::size_t f = 0; f < s.features.size(); ++f)
+        if (s.features[f].is_changed && (!first || order(f) < order(*first))) first = f;
+    return first ? verdict_of(all_features()[*first], s.features[*first].difference)
+                 : Verdict::as_baseline;
 }
 
-/// Only axes have changed, and no feature that a turn leaves as it is.
+/// Only levels along axes have changed, and no feature that a turn leaves as it is.
 bool seems_turned(const SensorResult& s) {
-    bool by_axis = false, others = false;
-    for (std::size_t f = 0; f < s.features.size(); ++f)
-        if (s.features[f].is_changed) (all_features()[f].by_axis ? by_axis : others) = true;
-    bool has_motion_change = false;
-    for (std::size_t f = 0; f < s.features.size(); ++f)
-        has_motion_change = has_motion_change || (s.features[f].is_changed &&
-                                                  all_features()[f].kind == FeatureKind::motion);
-    return by_axis && !others && !has_motion_change;
+    bool is_any = false;
+    for (std::size_t f = 0; f < s.features.size(); ++f) {
+        if (!s.features[f].is_changed) continue;
+        const Feature& feature = all_features()[f];
+        if (!feature.by_axis || feature.kind == FeatureKind::motion) return false;
+        is_any = true;
+    }
+    return is_any;
 }
 
 /// "not judged, since it was not recorded: roll, pitch; "; empty: what the baseline has was judged.
@@ -329,6 +314,20 @@ std::string reason_against_passage(SensorResult& sensor, const Passage& passage,
 
 } // namespace
 
+Verdict verdict_of(const Feature& feature, double difference) {
+    return feature.kind == FeatureKind::level
+               ? (difference > 0 ? Verdict::louder : Verdict::quieter)
+           : feature.kind == FeatureKind::spectrum ? Verdict::another_spectrum
+                                                   : Verdict::another_motion;
+}
+
+std::string change_text(const Feature& feature, double difference, double deviation) {
+    return feature.factor == 0 ? fmt::format("{} {:+.1f} standard deviations", feature.meaning,
+                                             difference / deviation)
+                               : fmt::format("{} {:.2f} times", feature.meaning,
+                                             std::exp(feature.factor * difference));
+}
+
 double SensorResult::level_ratio() const {
     return features.empty() ? unknown : std::exp(features.front().difference);
 }
@@ -368,8 +367,6 @@ PassageResult judge_passage(const Passage& passage, const std::vector<SensorBase
         if (c.recording == nullptr) continue;
         sensor.reason = c.baseline->features.impossible_because(passage.cause);
         if (!sensor.reason.empty()) continue;
-        for (const auto& run : c.runs)
-            sensor.compared += static_cast<double>(run.size()) / c.vibration.rate;
         const Vec3 up = up_of(*c.recording);
         if (up.norm() > 0 && c.baseline->up.norm() > 0)
             sensor.turned = std::acos(std::clamp(up.dot(c.baseline->up), -1.0, 1.0));

@@ -13,6 +13,13 @@
 
 namespace bris {
 
+struct Feature;
+
+/// What a change of this feature is called.
+Verdict verdict_of(const Feature& feature, double difference);
+/// "vertical vibration 1.85 times", or in standard deviations what is no ratio.
+std::string change_text(const Feature& feature, double difference, double deviation);
+
 /// A feature of a passage beside what is expected of it; NaN: not judged.
 struct JudgedFeature {
     double difference = std::numeric_limits<double>::quiet_NaN(); ///< from the expected mean
@@ -31,7 +38,6 @@ struct SensorResult {
     Verdict verdict = Verdict::not_enough_data;
     std::string reason;
     double duration = 0; ///< s, of the recording
-    double compared = 0; ///< s, of it that is compared
     double turned = 0;   ///< rad, direction of gravity from that of the baseline
     std::vector<JudgedFeature> features = {}; ///< in the order of all_features(); empty: none
     std::array<double, readings.size()> outlier_shares{unknown, unknown, unknown};

@@ -12,32 +12,42 @@ namespace bris {
 
 namespace {
 
-/// A hypothesis about a feature of a sensor: that its mean, its slope, the mean of the last
-/// passages, or one passage is as the baseline. Each kind has a quarter of the false alarms.
+/// A test of a feature of a sensor: that it is as the baseline.
 struct Hypothesis {
-    enum class Kind { mean, slope, recent, passage };
-    Kind kind;
-    std::size_t sensor, feature, passage = 0; ///< of recent: the first one
-    double p, share;
-    bool is_rejected = false;
+    std::size_t sensor, feature;
+    TestOfRun test;
 };
 
 /// The results of one sensor in those passages in which it was judged.
 struct Course {
     std::vector<const PassageResult*> passages;
     std::vector<const SensorResult*> results;
-    std::vector<Trend> trends;                                      // of each feature
-    std::vector<std::vector<std::pair<std::size_t, Trend>>> recent; // from a passage on
+    std::vector<bool> is_judged; // of each feature: in some passage
+
+    /// What is expected of a feature, as in the last passage.
+    const ExpectedFeature& expected(std::size_t feature) const {
+        return results.back()->features[feature].expected;
+    }
+    /// Deviations of a feature in standard deviations of a passage.
+    std::vector<double> deviations(std::size_t feature) const {
+        std::vector<double> all;
+        for (const SensorResult* s : results)
+            all.push_back(s->features[feature].difference /
+                          std::sqrt(s->features[feature].expected.variance));
+        return all;
+    }
+    std::vector<double> p(std::size_t feature) const {
+        std::vector<double> all;
+        for (const SensorResult* s : results) all.push_back(s->features[feature].p);
+        return all;
+    }
+    Trend trend(std::size_t feature, const SensorBaseline& baseline) const {
+        return trend_of(deviations(feature), expected(feature), baseline.features.serial(),
+                        baseline.features.between());
+    }
 };
 
-/// What a one-sided feature shows below its mean is no change.
-void ignore_below(Trend& trend) {
-    if (trend.mean < 0) trend.p_mean = 1;
-    if (trend.slope < 0) trend.p_slope = 1;
-}
-
-Course course_of(const std::vector<PassageResult>& passages, unsigned id,
-                 const SensorBaseline* baseline) {
+Course course_of(const std::vector<PassageResult>& passages, unsigned id) {
     Course course;
     for (const PassageResult& passage : passages)
         for (const SensorResult& s : passage.sensors)
@@ -45,58 +55,22 @@ Course course_of(const std::vector<PassageResult>& passages, unsigned id,
                 course.passages.push_back(&passage);
                 course.results.push_back(&s);
             }
-    if (course.results.empty() || baseline == nullptr) return course;
-    for (std::size_t f = 0; f < all_features().size(); ++f) {
-        std::vector<double> deviations;
-        for (const SensorResult* s : course.results)
-            deviations.push_back(s->features[f].difference /
-                                 std::sqrt(s->features[f].expected.variance));
-        const auto trend = [&](const std::vector<double>& of) {
-            Trend found = trend_of(of, course.results.back()->features[f].expected,
-                                   baseline->features.serial(), baseline->features.between());
-            if (all_features()[f].only_above) ignore_below(found);
-            return found;
-        };
-        course.trends.push_back(trend(deviations));
-        auto& recent = course.recent.emplace_back();
-        for (std::size_t last = 2; last < deviations.size(); last *= 2) {
-            const std::size_t first = deviations.size() - last;
-            recent.emplace_back(
-                first,
-                trend({deviations.begin() + static_cast<std::ptrdiff_t>(first), deviations.end()}));
-        }
-    }
+    if (course.results.empty()) return course;
+    for (std::size_t f = 0; f < all_features().size(); ++f)
+        course.is_judged.push_back(
+            std::ranges::any_of(course.p(f), [](double p) { return std::isfinite(p); }));
     return course;
 }
 
-bool is_judged(const Course& course, std::size_t feature) {
-    return std::ranges::any_of(course.results, [&](const SensorResult* s) {
-        return std::isfinite(s->features[feature].p);
-    });
-}
-
-void add_hypotheses(std::vector<Hypothesis>& all, const Course& course, std::size_t sensor,
-                    std::size_t sensors) {
-    using enum Hypothesis::Kind;
-    std::vector<bool> judged;
-    for (std::size_t f = 0; f < all_features().size(); ++f) judged.push_back(is_judged(course, f));
-    const auto shares = shares_of(judged, sensors);
-    for (std::size_t f = 0; f < judged.size(); ++f) {
-        if (!judged[f]) continue;
-        const Trend& trend = course.trends[f];
-        const bool has_trend = trend.passages > 1;
-        if (has_trend) {
-            all.push_back({mean, sensor, f, 0, trend.p_mean, shares[f] / 4});
-            all.push_back({slope, sensor, f, 0, trend.p_slope, shares[f] / 4});
-        }
-        for (const auto& [first, last] : course.recent[f])
-            all.push_back({recent, sensor, f, first, last.p_mean,
-                           shares[f] / 4 / static_cast<double>(course.recent[f].size())});
-        const double each = (has_trend ? shares[f] / 4 : shares[f]) /
-                            static_cast<double>(std::max<std::size_t>(1, trend.passages));
-        for (std::size_t k = 0; k < course.results.size(); ++k)
-            if (const double p = course.results[k]->features[f].p; std::isfinite(p))
-                all.push_back({passage, sensor, f, k, p, each});
+void add_hypotheses(std::vector<Hypothesis>& all, const Course& course,
+                    const SensorBaseline& baseline, std::size_t sensor, std::size_t sensors) {
+    const auto shares = shares_of(course.is_judged, sensors);
+    for (std::size_t f = 0; f < shares.size(); ++f) {
+        if (!course.is_judged[f]) continue;
+        for (TestOfRun& test : tests_of_run(course.deviations(f), course.p(f), course.expected(f),
+                                            baseline.features.serial(), baseline.features.between(),
+                                            all_features()[f].only_above, shares[f]))
+            all.push_back({sensor, f, std::move(test)});
     }
 }
 
@@ -104,46 +78,23 @@ void add_hypotheses(std::vector<Hypothesis>& all, const Course& course, std::siz
 bool tells_more(const Hypothesis& a, const Hypothesis& b) {
     const auto kind = [](const Hypothesis& h) { return all_features()[h.feature].kind; };
     if (kind(a) != kind(b)) return kind(a) < kind(b);
-    return a.p / a.share < b.p / b.share;
+    return a.test.p / a.test.share < b.test.p / b.test.share;
 }
 
-std::string factor_text(double factor, double difference) {
-    return fmt::format("{:.2f} times", std::exp(factor * difference));
-}
-
-/// The verdict by the least probable hypothesis that was rejected.
-OverallVerdict verdict_by(const Hypothesis& h, const Course& course) {
+/// The verdict by the hypothesis that tells most of those that were rejected.
+OverallVerdict verdict_by(const Hypothesis& h, const Course& course,
+                          const SensorBaseline& baseline) {
+    using enum TestOfRun::Kind;
     const Feature& feature = all_features()[h.feature];
-    const Trend& trend = course.trends[h.feature];
-    const SensorResult& last = *course.results.back();
-    const double unit = std::sqrt(last.features[h.feature].expected.variance);
-    const std::string p = fmt::format("(p = {:.1g})", h.p);
-    const auto kind = [&](double difference) {
-        return feature.kind == FeatureKind::level
-                   ? (difference > 0 ? Verdict::louder : Verdict::quieter)
-               : feature.kind == FeatureKind::spectrum ? Verdict::another_spectrum
-                                                       : Verdict::another_motion;
-    };
-    if (h.kind == Hypothesis::Kind::passage) {
-        const double difference = course.results[h.passage]->features[h.feature].difference;
-        return {kind(difference),
-                fmt::format("in {}: {} {} {}", course.passages[h.passage]->name, feature.meaning,
-                            feature.factor == 0
-                                ? fmt::format("{:+.1f} standard deviations", difference / unit)
-                                : factor_text(feature.factor, difference),
-                            p)};
+    const double unit = std::sqrt(course.expected(h.feature).variance);
+    const std::string p = fmt::format("(p = {:.1g})", h.test.p);
+    if (h.test.kind == passage) {
+        const double difference = course.results[h.test.passage]->features[h.feature].difference;
+        return {verdict_of(feature, difference),
+                fmt::format("in {}: {} {}", course.passages[h.test.passage]->name,
+                            change_text(feature, difference, unit), p)};
     }
-    if (h.kind == Hypothesis::Kind::recent && !trend.is_slope) {
-        const auto found = std::ranges::find(course.recent[h.feature], h.passage,
-                                             &std::pair<std::size_t, Trend>::first);
-        const Trend& window = found->second;
-        return {kind(window.mean),
-                fmt::format("{} {} in the mean of the last {} of {} passages {}", feature.meaning,
-                            feature.factor == 0
-                                ? fmt::format("{:+.1f} standard deviations", window.mean)
-                                : factor_text(feature.factor, window.mean * unit),
-                            window.passages, trend.passages, p)};
-    }
+    const Trend trend = course.trend(h.feature, baseline);
     if (trend.is_slope)
         return {Verdict::drifts,
                 feature.factor == 0
@@ -151,11 +102,14 @@ OverallVerdict verdict_by(const Hypothesis& h, const Course& course) {
                                   trend.slope, p)
                     : fmt::format("{} {:+.1f} % a passage {}", feature.meaning,
                                   100 * std::expm1(feature.factor * trend.slope * unit), p)};
-    return {kind(trend.mean),
-            fmt::format("{} {} in the mean of {} passages {}", feature.meaning,
-                        feature.factor == 0 ? fmt::format("{:+.1f} standard deviations", trend.mean)
-                                            : factor_text(feature.factor, trend.mean * unit),
-                        trend.passages, p)};
+    const Trend& tested = h.test.kind == recent ? h.test.trend : trend;
+    const std::string which = h.test.kind == recent
+                                  ? fmt::format("last {} of {}", tested.passages, trend.passages)
+                                  : fmt::format("{}", trend.passages);
+    return {verdict_of(feature, tested.mean),
+            fmt::format("{} in the mean of {}{} passages {}",
+                        change_text(feature, tested.mean * unit, unit),
+                        h.test.kind == recent ? "the " : "", which, p)};
 }
 
 /// Without a rejected hypothesis: the most serious of what was not judged, or an all-clear.
@@ -188,26 +142,25 @@ OverallVerdict verdict_without_change(const std::vector<PassageResult>& passages
 }
 
 /// What the levels say, and which lasting change of the level would have been seen.
-void add_level(SensorSummary& s, const Course& course, std::size_t sensors, double false_alarms) {
+void add_level(SensorSummary& s, const Course& course, const SensorBaseline& baseline,
+               std::size_t sensors, double false_alarms) {
     s.judged = course.results.size();
-    if (!is_judged(course, 0)) return;
-    const ExpectedFeature& expected = course.results.back()->features.front().expected;
-    std::vector<bool> judged;
-    for (std::size_t f = 0; f < all_features().size(); ++f) judged.push_back(is_judged(course, f));
-    const double share = shares_of(judged, sensors).front(), unit = std::sqrt(expected.variance);
-    s.level = course.trends.front();
+    if (!course.is_judged.front()) return;
+    const ExpectedFeature& expected = course.expected(0);
+    const double share = shares_of(course.is_judged, sensors).front(),
+                 unit = std::sqrt(expected.variance);
+    s.level = course.trend(0, baseline);
     ExpectedFeature of_run = expected;
-    if (s.level.passages < 2) {
-        const SensorResult& only = *course.results.back();
-        s.level.mean = only.features.front().difference / unit;
+    const bool is_one = s.level.passages < 2;
+    if (is_one) {
+        s.level.mean = course.results.back()->features.front().difference / unit;
     } else {
         of_run.variance *= s.level.variance;
         of_run.of_mean *= expected.variance / of_run.variance;
         s.change_a_passage = std::expm1(s.level.slope * unit);
     }
     s.level_ratio = std::exp(s.level.mean * unit);
-    const double seen =
-        seen_in_90_per_cent(of_run, false_alarms * share * (s.level.passages < 2 ? 1 : 1.0 / 4));
+    const double seen = seen_in_90_per_cent(of_run, false_alarms * share * (is_one ? 1 : 1.0 / 4));
     s.seen_below = std::exp(-seen);
     s.seen_above = std::exp(seen);
 }
@@ -228,19 +181,19 @@ std::vector<SensorSummary> judge_together(const std::vector<PassageResult>& pass
         const auto baseline = std::ranges::find(baselines, id, &SensorBaseline::id);
         of.push_back(baseline == baselines.end() ? nullptr : &*baseline);
         sensors.push_back({.id = id});
-        courses.push_back(course_of(passages, id, of.back()));
+        courses.push_back(course_of(passages, id));
         judged += !courses.back().results.empty();
     }
     std::vector<Hypothesis> all;
     for (std::size_t k = 0; k < sensors.size(); ++k) {
         if (courses[k].results.empty()) continue;
-        add_level(sensors[k], courses[k], judged, false_alarms);
-        add_hypotheses(all, courses[k], k, judged);
+        add_level(sensors[k], courses[k], *of[k], judged, false_alarms);
+        add_hypotheses(all, courses[k], *of[k], k, judged);
     }
     std::vector<double> p, shares;
     for (const Hypothesis& h : all) {
-        p.push_back(h.p);
-        shares.push_back(h.share);
+        p.push_back(h.test.p);
+        shares.push_back(h.test.share);
     }
     const auto is_rejected = rejected(p, shares, false_alarms);
     std::vector<const Hypothesis*> worst(sensors.size(), nullptr);
@@ -256,7 +209,7 @@ std::vector<SensorSummary> judge_together(const std::vector<PassageResult>& pass
             sensors[k].overall = verdict_without_change(passages, sensors[k]);
             continue;
         }
-        sensors[k].overall = verdict_by(*worst[k], courses[k]);
+        sensors[k].overall = verdict_by(*worst[k], courses[k], *of[k]);
         if (!is_moved) continue;
         const auto place = static_cast<std::size_t>(moved - courses[k].results.begin());
         sensors[k].overall.reason +=

@@ -152,6 +152,15 @@ std::vector<std::vector<double>> runs_in(const Vibration& v,
     return runs;
 }
 
+Moments moments_of(std::span<const std::vector<double>> runs) {
+    double sum = 0, n = 0, squares = 0;
+    for (const auto& run : runs)
+        for (const double x : run) sum += x, ++n;
+    for (const auto& run : runs)
+        for (const double x : run) squares += (x - sum / n) * (x - sum / n);
+    return {sum / n, squares / n};
+}
+
 double rate_per_force(const Recording& r) {
     const auto squares = [](const std::vector<Vec3>& values) {
         const Vec3 mean = mean_of(values, values.size());

@@ -2,6 +2,7 @@
 
 #include "scenarios/sensors/recording.hpp"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,12 @@ std::vector<SampleRange> whole_ranges(const Vibration& vibration);
 /// The series in some ranges.
 std::vector<std::vector<double>> runs_in(const Vibration& vibration,
                                          const std::vector<SampleRange>& ranges);
+
+/// Mean of a series, and mean square about it; NaN without samples.
+struct Moments {
+    double mean, square;
+};
+Moments moments_of(std::span<const std::vector<double>> runs);
 
 /// Root mean square of the angular rate over that of the specific force, each about its mean,
 /// rad/s per m/s2. NaN if one of the two was not recorded or does not vary.
