@@ -24,17 +24,27 @@ std::optional<unsigned> leading_number(std::string_view text) {
     return number;
 }
 
+/// A word of one or two letters stands alone: "s3" and "run_s3", not "4s3" or "s3x", which are
+/// parts of other names.
+bool is_apart(std::string_view name, std::string_view word, std::size_t at, std::size_t digits) {
+    if (at > 0 && is_letter(name[at - 1])) return false;
+    if (word.size() > 2) return true;
+    while (digits < name.size() && is_digit(name[digits])) ++digits;
+    return (at == 0 || !is_digit(name[at - 1])) &&
+           (digits == name.size() || !is_letter(name[digits]));
+}
+
 std::optional<unsigned> number_after_word(const std::string& text) {
     std::string name;
     for (const char c : text)
         name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     for (const std::string_view word : {"sensor", "rock", "node", "logger", "id", "s"})
         for (auto at = name.find(word); at != std::string::npos; at = name.find(word, at + 1)) {
-            if (at > 0 && is_letter(name[at - 1])) continue;
             std::size_t digits = at + word.size();
             while (digits < name.size() &&
                    std::string_view(" _-#").find(name[digits]) != std::string_view::npos)
                 ++digits;
+            if (!is_apart(name, word, at, digits)) continue;
             if (const auto number = leading_number(std::string_view(name).substr(digits)))
                 return number;
         }

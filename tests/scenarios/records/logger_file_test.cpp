@@ -35,9 +35,11 @@ void write(const std::filesystem::path& path, const std::string& text) {
 LoggerFile read(const std::string& text, const LoggerSettings& settings = {},
                 const char* name = "a.csv") {
     const TemporaryDirectory folder;
-    std::filesystem::create_directories((folder / name).parent_path());
-    write(folder / name, text);
-    return read_logger_file(folder / name, settings);
+    const auto path =
+        folder / "files" / name; // a folder's name may state a number, a random one too
+    std::filesystem::create_directories(path.parent_path());
+    write(path, text);
+    return read_logger_file(path, settings);
 }
 
 std::string refusal_of(const std::string& text, const LoggerSettings& settings = {}) {
