@@ -119,6 +119,7 @@ std::string listed(const std::vector<std::string>& names) {
 
 std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
     std::vector<std::string_view> cells;
+    cells.reserve(16);
     const bool blanks = delimiter == ' ';
     if (blanks) line = trimmed(line);
     for (std::size_t start = 0; start <= line.size();) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -126,6 +127,9 @@ std::optional<std::string> json_text(std::string_view value) {
 }
 
 std::optional<std::string> json_string(std::string_view text) {
+    // most texts, such as records, are as they are
+    const auto is_plain = [](char c) { return c >= ' ' && c < 127 && c != '"' && c != '\\'; };
+    if (std::ranges::all_of(text, is_plain)) return '"' + std::string(text) + '"';
     try {
         return nlohmann::json(text).dump();
     } catch (const nlohmann::json::type_error&) {

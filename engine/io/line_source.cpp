@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -12,11 +13,13 @@
 #include <cstring>
 #include <deque>
 #include <fcntl.h>
+#include <iterator>
 #include <mutex>
 #include <poll.h>
 #include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 namespace bris {
 
@@ -40,6 +43,9 @@ struct LineSource::Reader {
     std::thread thread;
     // used by the reading thread only
     Line line{1, {}, {}, true};
+    std::vector<Line> whole; // lines of what was read last, which are queued together
+    // used by the thread that takes the lines only
+    std::deque<Line> taken;
 
     Reader(const std::filesystem::path& path, std::size_t most) : capacity(most) {
         // non-blocking, because a pipe may have no writer yet
@@ -81,6 +87,7 @@ struct LineSource::Reader {
         }
         if (!line.text.empty()) {
             line.whole = false;
+            end_line(this_instant(), is_file ? no_arrival : arrival_now());
             put();
         }
         const std::lock_guard lock(mutex);
@@ -88,24 +95,43 @@ struct LineSource::Reader {
         came.notify_all();
     }
     void take(std::string_view text) {
-        for (const char c : text) {
-            if (c == '\n')
-                put();
-            else if (line.text.size() < longest)
-                line.text += c;
-            else
-                line.whole = false;
+        const Instant instant = this_instant();
+        const double arrival = is_file ? no_arrival : arrival_now();
+        while (!text.empty()) {
+            const std::size_t end = text.find('\n');
+            const std::string_view part = text.substr(0, end);
+            line.whole = line.whole && part.size() <= longest - line.text.size();
+            line.text += part.substr(0, longest - line.text.size());
+            if (end == std::string_view::npos) break;
+            end_line(instant, arrival);
+            text.remove_prefix(end + 1);
         }
+        put();
+    }
+    void end_line(Instant instant, double arrival) {
+        line.arrived = instant;
+        line.arrival = arrival;
+        const std::uint64_t number = line.number;
+        whole.push_back(std::move(line));
+        line = {number + 1, {}, {}, true};
     }
     void put() {
-        line.arrived = this_instant();
-        line.arrival = is_file ? no_arrival : arrival_now();
+        if (whole.empty()) return;
         std::unique_lock lock(mutex);
         while (queue.size() >= capacity && !stop) room.wait_for(lock, glance);
-        const std::uint64_t number = line.number;
-        queue.push_back(std::move(line));
-        if (queue.size() == 1) came.notify_all(); // who waits found it empty
-        line = {number + 1, {}, {}, true};
+        const bool was_empty = queue.empty();
+        std::ranges::move(whole, std::back_inserter(queue));
+        whole.clear();
+        if (was_empty) came.notify_all(); // who waits found it empty
+    }
+    /// Takes all lines of the queue at once, because a lock for each costs more than reading it.
+    void take_lines(double timeout) {
+        const Instant began = this_instant();
+        std::unique_lock lock(mutex);
+        while (queue.empty() && !ended && !interrupted() && seconds_since(began) < timeout)
+            came.wait_for(lock, glance);
+        taken.swap(queue);
+        room.notify_one();
     }
 };
 
@@ -114,22 +140,17 @@ LineSource::LineSource(const std::filesystem::path& path, std::size_t capacity)
 LineSource::~LineSource() = default;
 
 std::optional<LineSource::Line> LineSource::next(double timeout) {
-    const Instant began = this_instant();
-    std::unique_lock lock(reader_->mutex);
-    while (reader_->queue.empty() && !reader_->ended && !interrupted() &&
-           seconds_since(began) < timeout)
-        reader_->came.wait_for(lock, glance);
-    if (reader_->queue.empty()) return {};
-    const bool was_full = reader_->queue.size() >= reader_->capacity;
-    Line line = std::move(reader_->queue.front());
-    reader_->queue.pop_front();
-    if (was_full) reader_->room.notify_one();
+    if (reader_->taken.empty()) reader_->take_lines(timeout);
+    if (reader_->taken.empty()) return {};
+    Line line = std::move(reader_->taken.front());
+    reader_->taken.pop_front();
     return line;
 }
 
 double LineSource::now() const { return reader_->is_file ? no_arrival : arrival_now(); }
 
 bool LineSource::over() const {
+    if (!reader_->taken.empty()) return false;
     const std::lock_guard lock(reader_->mutex);
     return reader_->ended && reader_->queue.empty();
 }

@@ -44,7 +44,8 @@ public:
     /// Longest line in bytes; the rest of a longer line is skipped.
     static constexpr std::size_t longest = 1 << 16;
 
-    /// Opens the source; `capacity`: lines in the queue. Throws OutputError if it cannot be opened.
+    /// Opens the source; nothing is read while `capacity` lines or more are in the queue. Throws
+    /// OutputError if it cannot be opened.
     explicit LineSource(const std::filesystem::path& path, std::size_t capacity = 100'000);
     ~LineSource() override;
 

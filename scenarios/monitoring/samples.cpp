@@ -59,7 +59,7 @@ void Samples::add(const GatedRecord& record) {
         const std::size_t first = 1 + channel.place;
         if (channel.is(Channel::unmonitored) || first == count) continue;
         for (std::size_t k = 0; k < channel.size(); ++k) // vectors have all parts
-            if (record.record.has(channel.column(k)))
+            if (record.record.has(first_channel_field + channel.place + k))
                 sent |= bit(first + channel.size()) - bit(first);
     }
     if (stride_ == 0 || (sent & ~has_) != 0) widen(sent);
@@ -71,7 +71,7 @@ void Samples::add(const GatedRecord& record) {
     for (std::size_t c = 1; c < columns; ++c)
         if (column_[c] >= 0 && c != count)
             numbers_[begin + static_cast<std::size_t>(column_[c])] =
-                record.record.number(channel_columns[c - 1]);
+                record.record.number(first_channel_field + c - 1);
     if (record.count >= 0)
         numbers_[begin + static_cast<std::size_t>(column_[count])] =
             static_cast<double>(record.count);

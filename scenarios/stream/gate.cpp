@@ -25,7 +25,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Of the numbers of a record, which tells copies from others.
 std::uint64_t content_of(const StreamRecord& record) {
     std::uint64_t hash = 0;
-    for (const auto& [name, number] : record.numbers())
+    for (const double number : record.values())
         hash = mix(hash, std::bit_cast<std::uint64_t>(number));
     return hash;
 }

@@ -57,14 +57,17 @@ std::string found_twice(std::size_t field) {
 
 bool StreamRecord::has(std::string_view name) const {
     const std::size_t field = field_of(name);
-    return field != no_field && (sent_ & bit(field)) != 0;
+    return field != no_field && has(field);
+}
+
+double StreamRecord::number(std::size_t field) const {
+    return has(field) ? numbers_[static_cast<std::size_t>(place_of(sent_, field))]
+                      : std::numeric_limits<double>::quiet_NaN();
 }
 
 double StreamRecord::number(std::string_view name) const {
     const std::size_t field = field_of(name);
-    if (field == no_field || (sent_ & bit(field)) == 0)
-        return std::numeric_limits<double>::quiet_NaN();
-    return numbers_[static_cast<std::size_t>(place_of(sent_, field))];
+    return field == no_field ? std::numeric_limits<double>::quiet_NaN() : number(field);
 }
 
 bool StreamRecord::add(std::size_t field, double number) {
@@ -175,6 +178,7 @@ void RecordParser::parse_row(const LineSource::Line& line,
                                  beginning_of(line.text)));
     if (cells.size() != columns_.size())
         refuse(line, fmt::format("expected {} columns, found {}", columns_.size(), cells.size()));
+    record.reserve(cells.size());
     for (std::size_t k = 0; k < cells.size(); ++k) {
         if (columns_[k] == no_field || cells[k].empty() || cells[k] == "-") continue;
         const auto number = number_of(cells[k]);

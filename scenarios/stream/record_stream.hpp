@@ -35,6 +35,9 @@ inline constexpr auto stream_fields = [] {
     for (std::size_t k = 0; k < words_in(last); ++k) *next++ = word_of(last, k);
     return all;
 }();
+/// The field of the first of channel_columns, which follow in their order.
+inline constexpr std::size_t first_channel_field = 2;
+static_assert(stream_fields[first_channel_field] == channel_columns.front());
 static_assert(stream_fields.size() <= 64, "a record has one bit for each");
 
 /// Record that a SmartRock or a test machine sends at one time: those of the stream_fields that
@@ -48,13 +51,17 @@ public:
     Instant arrived;
     double arrival; ///< s since 1970 UTC; NaN: it did not arrive, but was read from a file
 
+    bool has(std::size_t field) const { return (sent_ >> field & 1) != 0; }
     bool has(std::string_view name) const;
-    /// The number of this name; NaN: not sent.
+    /// The number of a field or of its name; NaN: not sent.
+    double number(std::size_t field) const;
     double number(std::string_view name) const;
     /// Adds a number by the index of its field. Returns false if there is one already.
     bool add(std::size_t field, double number);
     /// All numbers, in the order of the fields.
     std::vector<std::pair<std::string_view, double>> numbers() const;
+    const std::vector<double>& values() const { return numbers_; } ///< without their names
+    void reserve(std::size_t numbers) { numbers_.reserve(numbers); }
 
 private:
     std::uint64_t sent_ = 0;      // a bit for each field
