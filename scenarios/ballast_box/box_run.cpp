@@ -54,11 +54,13 @@ std::vector<std::vector<double>> tie_shares(const BallastBox& box) {
     const BoxSizes sizes = box_sizes(box);
     const std::size_t ties = sizes.ties.size(),
                       first = (at.size() - ties) / 2; // the model's ties are the middle ones
+    const TrackRail rail(at, std::vector<TieSupport>(at.size(), {.stiffness = box.tie_support}),
+                         box.rail_bending, 0);
     std::vector<std::vector<double>> shares(ties, std::vector<double>(2));
     for (std::size_t actuator = 0; actuator < 2; ++actuator) {
-        const auto r = rail_reactions(at, box.tie_support, box.rail_bending,
-                                      at[first + sizes.loaded[actuator]]);
-        for (std::size_t tie = 0; tie < ties; ++tie) shares[tie][actuator] = r[first + tie];
+        const double load = at[first + sizes.loaded[actuator]];
+        for (std::size_t tie = 0; tie < ties; ++tie)
+            shares[tie][actuator] = rail.influence_on(first + tie)(load);
     }
     return shares;
 }

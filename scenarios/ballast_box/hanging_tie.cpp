@@ -32,11 +32,15 @@ void hang_tie(World& world, const RailOnTies& rails, double share, double gap) {
 }
 
 LoadHistory passing_load_of_hanging_tie(const Train& train, double speed, const RailOnTies& rails,
-                                        double weight) {
-    LoadHistory history = passing_load(train, speed, rails, 0);
-    const double factor = 1 + rails.stiffness_without_tie() / rails.tie_support;
-    for (double& value : history.values) value = factor * value - weight;
-    return history;
+                                        double dead_load, double weight) {
+    constexpr double deep = 1; // m, a gap that no rail closes
+    TrackRail rail = rails.rail(dead_load, deep);
+    const std::size_t middle = rails.ties_on_each_side();
+    const double at_rest = rail.under({}).at_ties[middle],
+                 stiffness = rails.stiffness_without_tie();
+    return history_of_passage(train, speed, rails, [&](std::span<const RailLoad> axles) {
+        return stiffness * (rail.under(axles).at_ties[middle] - at_rest) - weight;
+    });
 }
 
 double weight_of_tie(const World& world) {

@@ -78,8 +78,9 @@ Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& tr
                     if (number > 0) change_shells(s.world(), settings.box);
                     const double weight = weight_of_tie(s.world()) / test.sizes().share;
                     test.begin_passage(
-                        s.world(), hangs ? passing_load_of_hanging_tie(train, speed, rails, weight)
-                                         : passing_load(train, speed, rails, dead_load));
+                        s.world(),
+                        hangs ? passing_load_of_hanging_tie(train, speed, rails, dead_load, weight)
+                              : passing_load(train, speed, rails, dead_load));
                 }};
 }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -107,36 +108,55 @@ double RailOnTies::wave_number() const {
     return std::pow(tie_support / spacing / (4 * bending), 0.25);
 }
 
-double RailOnTies::share(double x) const {
-    const double beta = wave_number(), phase = beta * std::abs(x);
-    return 0.5 * spacing * beta * std::exp(-phase) * (std::cos(phase) + std::sin(phase));
+double RailOnTies::reach() const { return 12 / wave_number(); } // sqrt(2) exp(-12) = 9e-6
+
+std::size_t RailOnTies::ties_on_each_side() const {
+    return static_cast<std::size_t>(std::ceil(reach() / spacing));
 }
+
+TrackRail RailOnTies::rail(double of_rails, double gap) const {
+    const std::size_t side = ties_on_each_side(), n = 2 * side + 1;
+    std::vector<double> at;
+    for (std::size_t k = 0; k < n; ++k)
+        at.push_back(spacing * (static_cast<double>(k) - static_cast<double>(side)));
+    std::vector<TieSupport> supports(n, {.stiffness = tie_support});
+    supports[side].gap = gap;
+    return {std::move(at), std::move(supports), bending, of_rails + tie_weight};
+}
+
+InfluenceLine RailOnTies::influence() const { return rail(0).influence_on(ties_on_each_side()); }
 
 double RailOnTies::stiffness_without_tie() const {
-    return 2 * tie_support / (spacing * wave_number()) - tie_support;
+    return rail(0).stiffness_without(ties_on_each_side());
 }
-
-double RailOnTies::reach() const { return 12 / wave_number(); } // sqrt(2) exp(-12) = 9e-6
 
 double passing_time(const Train& train, double speed, const RailOnTies& rails) {
     return (train.length() + 2 * rails.reach()) / speed;
 }
 
-LoadHistory passing_load(const Train& train, double speed, const RailOnTies& rails,
-                         double dead_load) {
+LoadHistory history_of_passage(const Train& train, double speed, const RailOnTies& rails,
+                               const std::function<double(std::span<const RailLoad>)>& force) {
     constexpr double interval = 1e-3; // s
     const double duration = passing_time(train, speed, rails);
     const auto intervals = static_cast<std::size_t>(std::ceil(duration / interval));
     LoadHistory history;
+    std::vector<RailLoad> axles(train.axles.size());
     for (std::size_t k = 0; k <= intervals; ++k) {
         const double time = duration * static_cast<double>(k) / static_cast<double>(intervals);
-        double force = dead_load;
-        for (const Axle& axle : train.axles)
-            force += axle.load * rails.share(speed * time - rails.reach() - axle.behind);
+        for (std::size_t i = 0; i < axles.size(); ++i)
+            axles[i] = {speed * time - rails.reach() - train.axles[i].behind, train.axles[i].load};
         history.times.push_back(time);
-        history.values.push_back(force);
+        history.values.push_back(force(axles));
     }
     return history;
+}
+
+LoadHistory passing_load(const Train& train, double speed, const RailOnTies& rails,
+                         double dead_load) {
+    TrackRail rail = rails.rail(dead_load);
+    return history_of_passage(train, speed, rails, [&](std::span<const RailLoad> axles) {
+        return rail.under(axles).reactions[rails.ties_on_each_side()] - rails.tie_weight;
+    });
 }
 
 } // namespace bris

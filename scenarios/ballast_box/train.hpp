@@ -1,7 +1,10 @@
 #pragma once
 
+#include "scenarios/ballast_box/rail.hpp"
 #include "systems/loads/load.hpp"
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,30 +35,36 @@ Train train_named(const std::string& name, const std::string& option = "--train"
 /// Prints one line if the file of the train is in another form than those of assets/trains.
 void say_how_read(const Train& train);
 
-/// Rails on ties as a beam on a Winkler foundation (S. Timoshenko, Method of analysis of statical
-/// and dynamical stresses in rail, Proc. 2nd Int. Congr. Appl. Mech., 1926).
+/// A straight track with the same support under all ties.
 struct RailOnTies {
-    double bending;     ///< N m2, stiffness E I of both rails together, > 0
-    double tie_support; ///< N/m, stiffness of the support of a whole tie, > 0
-    double spacing;     ///< m, of the ties, > 0
+    double bending;           ///< N m2, stiffness E I of both rails together, > 0
+    double tie_support;       ///< N/m, of pads, bed and subgrade of a whole tie in series, > 0
+    double spacing;           ///< m, of the ties, > 0
+    double tie_weight = 3790; ///< N, of a tie of concrete, 2.59 m long
     /// 1/m, (k / (4 E I))^(1/4) with the track modulus k = tie_support / spacing.
     double wave_number() const;
-    /// Part of an axle's load that the tie at distance `x` (m) along the track carries: spacing
-    /// beta / 2 exp(-beta |x|) (cos beta |x| + sin beta |x|). Negative where the rails lift the
-    /// tie. The parts of all ties add up to 1, to 8 (beta spacing / (2 pi))^4.
-    double share(double x) const;
-    /// N/m, force on the rails at a tie over their deflection there if this tie did not support
-    /// them: 2 k / beta - tie_support, by superposition, as the deflection under a load is beta /
-    /// (2 k).
-    double stiffness_without_tie() const;
-    /// m, distance beyond which the part is less than 1e-5 of that under the axle.
+    /// m, distance beyond which a tie carries less than 1e-5 of what it does under the axle; to
+    /// there the rail is modelled on either side.
     double reach() const;
+    /// Ties on either side of the one in the middle, which is at 0 m.
+    std::size_t ties_on_each_side() const;
+    /// `of_rails`: N, weight of rails and fastenings on a tie; `gap`: m, under the middle tie.
+    TrackRail rail(double of_rails, double gap = 0) const;
+    /// Of the tie in the middle.
+    InfluenceLine influence() const;
+    double stiffness_without_tie() const; ///< N/m, TrackRail::stiffness_without
 };
 
-/// The force (N, downwards) of the rails on a tie while a train passes at constant speed (m/s),
-/// without the dynamics of the vehicles: `dead_load` (N, of rails and fastenings) plus the parts of
-/// all axles. The first axle is reach() before the tie at time 0; the last value, with the last
-/// axle reach() behind it, is `dead_load` to 1e-5 of an axle's load. Values every millisecond.
+/// `force` of the places and loads of all axles while a train passes the middle tie, which is at 0,
+/// at constant speed (m/s). The first axle is reach() before it at time 0, and the last one reach()
+/// behind it at the end. Values every millisecond.
+LoadHistory history_of_passage(const Train& train, double speed, const RailOnTies& rails,
+                               const std::function<double(std::span<const RailLoad>)>& force);
+
+/// The force (N, downwards) of the rails on a tie in that time, without the dynamics of the
+/// vehicles: what the bed carries there (TrackRail) less the weight of the tie. So `dead_load` (N,
+/// of rails and fastenings) is left at both ends, to 1e-5 of an axle's load, and a tie at most
+/// hangs from the rails.
 LoadHistory passing_load(const Train& train, double speed, const RailOnTies& rails,
                          double dead_load);
 

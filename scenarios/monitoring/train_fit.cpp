@@ -36,6 +36,7 @@ using Spectrum = std::vector<std::complex<double>>;
 /// rails do not lift the tie.
 std::vector<double> load_along(const Train& train, const PassingTrain& passing) {
     const double ends = passing.rails.reach();
+    const InfluenceLine share = passing.rails.influence();
     const auto points = static_cast<std::size_t>((train.length() + 2 * ends) / spacing) + 1;
     std::vector<double> load(fast_length_for(points), passing.dead_load);
     for (const Axle& axle : train.axles) {
@@ -44,7 +45,7 @@ std::vector<double> load_along(const Train& train, const PassingTrain& passing) 
                    last = std::min(load.size(),
                                    static_cast<std::size_t>((middle + ends) / spacing) + 1);
         for (std::size_t k = first; k < last; ++k)
-            load[k] += axle.load * passing.rails.share(static_cast<double>(k) * spacing - middle);
+            load[k] += axle.load * share(static_cast<double>(k) * spacing - middle);
     }
     for (double& force : load) force = std::max(0.0, force) - passing.dead_load;
     return load;

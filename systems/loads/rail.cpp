@@ -10,25 +10,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace bris {
 
 namespace {
 
-/// Stiffness of a beam for the deflections and slopes of its two ends.
-Eigen::Matrix4d stiffness_of_beam(double bending, double l) {
-    Eigen::Matrix4d k;
-    k.row(0) << 12, 6 * l, -12, 6 * l;
-    k.row(1) << 6 * l, 4 * l * l, -6 * l, 2 * l * l;
-    k.row(2) << -12, -6 * l, 12, -6 * l;
-    k.row(3) << 6 * l, 2 * l * l, -6 * l, 4 * l * l;
-    return bending / (l * l * l) * k;
-}
-
-/// Forces and moments at the ends of a beam by a unit force at part `s` of its length.
-Eigen::Vector4d parts_of_force(double s, double l) {
-    return {1 - s * s * (3 - 2 * s), l * s * (1 - s) * (1 - s), s * s * (3 - 2 * s),
-            -l * s * s * (1 - s)};
+RailBeam beam_of(const Rail& rail) {
+    std::vector<double> at;
+    for (const RailSeat& seat : rail.seats) at.push_back(seat.along);
+    return {std::move(at), rail.bending};
 }
 
 Vec3 arm_of(const RailSeat& seat, const Quat& tie) { return tie * seat.point; }
@@ -123,39 +114,26 @@ void check(const World& world, const Rail& rail) {
 
 } // namespace
 
-RailResponse::RailResponse(const Rail& rail) {
-    const auto n = static_cast<Eigen::Index>(rail.seats.size());
-    Eigen::MatrixXd beam = Eigen::MatrixXd::Zero(2 * n, 2 * n), pads(2 * n, n);
-    pads.setZero();
+RailResponse::RailResponse(const Rail& rail) : beam(beam_of(rail)) {
+    const Eigen::Index n = beam.nodes();
+    Eigen::MatrixXd held = beam.stiffness(), pads = Eigen::MatrixXd::Zero(2 * n, n);
     for (Eigen::Index i = 0; i < n; ++i) {
         pads(2 * i, i) = rail.pad;
-        beam(2 * i, 2 * i) += rail.pad;
-        if (i + 1 == n) break;
-        const auto s = static_cast<std::size_t>(i);
-        beam.block<4, 4>(2 * i, 2 * i) +=
-            stiffness_of_beam(rail.bending, rail.seats[s + 1].along - rail.seats[s].along);
+        held(2 * i, 2 * i) += rail.pad;
     }
-    // deflections and slopes of the beam are beam^-1 (pads u + f), and the pads exert
+    // deflections and slopes of the beam are held^-1 (pads u + f), and the pads exert
     // pad (deflection - u) on the ties
-    transfer = beam.llt().solve(pads).transpose();
+    transfer = held.llt().solve(pads).transpose();
     stiffness = rail.pad * Eigen::MatrixXd::Identity(n, n) - transfer * pads;
 }
 
 Eigen::VectorXd RailResponse::of_loads(const Rail& rail, double time) const {
-    Eigen::VectorXd force = Eigen::VectorXd::Zero(stiffness.rows());
-    for (std::size_t i = 0; i + 1 < rail.seats.size(); ++i) {
-        const double first = rail.seats[i].along, l = rail.seats[i + 1].along - first,
-                     weight = rail.weight * l;
-        Eigen::Vector4d nodal(-weight / 2, -weight * l / 12, -weight / 2, weight * l / 12);
-        for (std::size_t axle = 0; axle < rail.axle_loads.size(); ++axle) {
-            const double at = rail.axle_positions[axle] + time * rail.axle_speed;
-            // an axle above a tie belongs to the beam that ends there
-            if ((at > first || (i == 0 && at == first)) && at <= rail.seats[i + 1].along)
-                nodal -= rail.axle_loads[axle] * parts_of_force((at - first) / l, l);
-        }
-        force += transfer.middleCols<4>(2 * static_cast<Eigen::Index>(i)) * nodal;
-    }
-    return force;
+    Eigen::VectorXd loads = Eigen::VectorXd::Zero(2 * beam.nodes());
+    beam.add_line_load(-rail.weight, loads);
+    for (std::size_t axle = 0; axle < rail.axle_loads.size(); ++axle)
+        beam.add_force(rail.axle_positions[axle] + time * rail.axle_speed, -rail.axle_loads[axle],
+                       loads);
+    return transfer * loads;
 }
 
 void Rails::prepare() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "systems/loads/element.hpp"
+#include "systems/loads/rail_beam.hpp"
 
 #include <cstdint>
 
@@ -45,9 +46,9 @@ struct Rail {
 
 /// What the deflections u of the seats and the loads of a rail exert on its ties (N, along `up`):
 /// -stiffness (u + retardation du/dt) + transfer f, with the forces and moments f that the loads
-/// exert on beams clamped at both seats. Beams of Hermite's cubics with these loads give the exact
-/// deflections at the seats (P. Tong, Int. J. Solids Struct. 5, 1969).
+/// exert on beams clamped at both seats.
 struct RailResponse {
+    RailBeam beam;
     Eigen::MatrixXd stiffness, transfer; ///< n x n, n x 2n
     explicit RailResponse(const Rail& rail);
     /// N, of weight and axles at a time (s).

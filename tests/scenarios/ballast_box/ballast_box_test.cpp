@@ -2,7 +2,6 @@
 #include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
 #include "scenarios/ballast_box/cycles.hpp"
-#include "scenarios/ballast_box/rail.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/small_scene.hpp"
 #include "systems/fields/vdb_file.hpp"
@@ -152,24 +151,6 @@ TEST_SUITE("ballast_box") {
         CHECK(std::isnan(fit_power(power).slope));
     }
 
-    TEST_CASE("statics determine the reactions of two ties, and symmetry those of three") {
-        const std::vector<double> two{0, 0.61};
-        for (const double load : {0.0, 0.2, 0.61, 0.9}) {
-            const auto r = rail_reactions(two, 3e7, 1.6e7, load);
-            CHECK(std::abs(r[1] - load / 0.61) < 1e-9);
-            CHECK(r[0] + r[1] == about(1).epsilon(1e-12));
-        }
-        const std::vector<double> three{-0.61, 0, 0.61};
-        const auto r = rail_reactions(three, 3e7, 1.6e7, 0);
-        // the beam bends by (1 - R_0) s^3 / (6 EI) between the middle tie and the outer ones
-        const double soft = 3e7 * 0.61 * 0.61 * 0.61 / (6 * 1.6e7);
-        CHECK(r[0] == about(r[2]).epsilon(1e-9));
-        CHECK(r[1] - r[0] == about(soft * (1 - r[1])).epsilon(1e-9));
-        CHECK(refusal_of([] {
-                  (void)rail_reactions(std::vector{1.0, 0.5}, 1, 1, 0);
-              }).starts_with("rail: expected"));
-    }
-
     TEST_CASE("the whole box has four whole ties, of which the middle ones are below actuators") {
         BallastBox box;
         box.model = "full";
@@ -205,21 +186,6 @@ TEST_SUITE("ballast_box") {
             CHECK(sensor.place.y() > 1.6);
             CHECK(sensor.place.y() < s.tie_end());
         }
-    }
-
-    TEST_CASE("a long rail on many ties follows the beam on a Winkler foundation") {
-        // reactions k w(x), w = P beta / (2 u) exp(-beta x) (cos beta x + sin beta x), u = k / s
-        constexpr double spacing = 0.1, support = 2e6, bending = 8e6;
-        std::vector<double> at;
-        for (int k = -150; k <= 150; ++k) at.push_back(spacing * k);
-        const auto r = rail_reactions(at, support, bending, 0);
-        const double beta = std::pow(support / spacing / (4 * bending), 0.25);
-        for (const std::size_t k : {std::size_t{150}, std::size_t{155}, std::size_t{165}}) {
-            const double x = std::abs(at[k]), exact = spacing * beta / 2 * std::exp(-beta * x) *
-                                                      (std::cos(beta * x) + std::sin(beta * x));
-            CHECK(std::abs(r[k] - exact) < 2e-4 * r[150]); // (beta s)^4: discrete supports
-        }
-        CHECK(std::accumulate(r.begin(), r.end(), 0.0) == about(1).epsilon(1e-9));
     }
 
     TEST_CASE("cycles are evaluated at their least load: settlement, rebound, stiffness and loop") {

@@ -29,7 +29,7 @@ TEST_SUITE("ballast_box/load_turns") {
         REQUIRE(turns.size() == 3);
         CHECK(cycles_of(turns) == 1);
         CHECK(turns[0] == dead);
-        CHECK(turns[1] == about(dead + 200e3 * usual.share(0)).epsilon(1e-4));
+        CHECK(turns[1] == about(dead + 200e3 * usual.influence()(0)).epsilon(1e-4));
         CHECK(turns[2] == dead);
     }
 
@@ -37,8 +37,8 @@ TEST_SUITE("ballast_box/load_turns") {
         const auto turns = load_turns(bogies({0, 14, 28}, 1.8, 200e3), usual, dead);
         REQUIRE(cycles_of(turns) == 3);
         // midway between two axles 1.8 m apart
-        const double between = dead + 2 * 200e3 * usual.share(0.9);
-        CHECK(turns[1] > dead + 200e3 * (usual.share(0) + usual.share(1.8)));
+        const double between = dead + 2 * 200e3 * usual.influence()(0.9);
+        CHECK(turns[1] > dead + 200e3 * (usual.influence()(0) + usual.influence()(1.8)));
         CHECK(turns[1] == about(between).epsilon(0.02));
         CHECK(turns[3] == about(turns[1]).epsilon(1e-3));
         CHECK(turns[2] < 0.01 * turns[1]);

@@ -1,7 +1,6 @@
 #include "engine/errors.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
 #include "scenarios/ballast_box/hanging_tie.hpp"
-#include "scenarios/ballast_box/rail.hpp"
 #include "scenarios/ballast_box/shells.hpp"
 #include "scenarios/ballast_box/train.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -12,6 +11,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -31,45 +31,19 @@ std::string file_with(const TemporaryDirectory& folder, const std::string& rows)
 } // namespace
 
 TEST_SUITE("ballast_box") {
-    TEST_CASE("all ties together carry an axle, wherever it stands between them") {
-        for (const double support : {1e7, 3e7, 1e8})
-            for (const double offset : {0.0, 0.1, 0.305}) {
-                const RailOnTies rails{1.58e7, support, 0.61};
-                // Poisson's sum: the first harmonic of the ties' spacing
-                const double turns = 2 * pi / (rails.wave_number() * rails.spacing);
-                double sum = 0;
-                for (int tie = -100; tie <= 100; ++tie) sum += rails.share(0.61 * tie - offset);
-                CHECK(std::abs(sum - 1) < 1.1 * 8 / std::pow(turns, 4));
-            }
-        CHECK(std::abs(usual.share(usual.reach())) < 1e-5 * usual.share(0));
-    }
-
-    TEST_CASE("a beam on a continuous foundation loads a tie as a beam on single springs does") {
-        std::vector<double> at;
-        for (int tie = -30; tie <= 30; ++tie) at.push_back(0.61 * tie);
-        for (const double x : {0.0, 0.2, 0.61, 1.5, 3.0}) {
-            const auto reactions = rail_reactions(at, usual.tie_support, usual.bending, x);
-            CHECK(reactions[30] ==
-                  about(usual.share(x)).epsilon(0.01 * usual.share(0) / std::abs(usual.share(x))));
-        }
-    }
-
-    TEST_CASE(
-        "rails without one of their ties are as stiff there as the reaction of that tie to a "
-        "load above it says, and push a hanging tie as much as one that lies on its support") {
-        std::vector<double> at;
-        for (int tie = -30; tie <= 30; ++tie) at.push_back(0.61 * tie);
-        const double reaction = rail_reactions(at, usual.tie_support, usual.bending, 0)[30];
-        CHECK(usual.stiffness_without_tie() ==
-              about(usual.tie_support * (1 - reaction) / reaction).epsilon(0.01));
-        // on a support of the usual stiffness, a spring of K and its load share as the beam does
+    TEST_CASE("a hanging tie is pushed as much as one that lies on its support") {
         const Train train = train_named("locomotive");
-        const double k = usual.stiffness_without_tie(), weight = 3000;
-        const LoadHistory lies = passing_load(train, 20, usual, 0),
-                          hangs = passing_load_of_hanging_tie(train, 20, usual, weight);
+        const double k = usual.stiffness_without_tie();
+        const LoadHistory lies = passing_load(train, 20, usual, 800),
+                          hangs =
+                              passing_load_of_hanging_tie(train, 20, usual, 800, usual.tie_weight);
+        const double most = std::ranges::max(lies.values);
         for (std::size_t n = 0; n < lies.values.size(); n += 100) {
-            const double deflection = (hangs.values[n] + weight) / (k + usual.tie_support);
-            CHECK(usual.tie_support * deflection == about(lies.values[n]));
+            // on a support of the usual stiffness, without dead load; elsewhere ties are lifted a
+            // little otherwise
+            const double deflection =
+                (hangs.values[n] + usual.tie_weight) / (k + usual.tie_support);
+            CHECK(std::abs(usual.tie_support * deflection - (lies.values[n] - 800)) < 1e-4 * most);
         }
     }
 
@@ -140,8 +114,8 @@ TEST_SUITE("ballast_box") {
             CHECK(load.values.front() == about(dead_load).epsilon(1e-5 * heaviest / dead_load));
             CHECK(load.values.back() == about(dead_load).epsilon(1e-5 * heaviest / dead_load));
             CHECK(load.times.back() == about(passing_time(train, speed, usual)).epsilon(1e-12));
-            CHECK(most > 0.9 * usual.share(0) * heaviest); // neighbours lift the rails
-            CHECK(most < 2 * usual.share(0) * heaviest);
+            CHECK(most > 0.9 * usual.influence()(0) * heaviest); // neighbours lift the rails
+            CHECK(most < 2 * usual.influence()(0) * heaviest);
         }
     }
 
