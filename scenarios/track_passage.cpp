@@ -1,6 +1,6 @@
 // Trains pass over a tie of a bay of track on clean or fouled ballast; sensor rocks in the ballast
-// record what SmartRocks would record. The force of the rails on the tie is that of a beam on a
-// Winkler foundation under the static loads of the axles.
+// record what SmartRocks would record. The rails push the tie as a beam on it and on springs, which
+// stand for the other ties, under the static loads of the axles.
 #include "components/kinds.hpp"
 #include "engine/choice.hpp"
 #include "engine/errors.hpp"
@@ -155,8 +155,10 @@ void summarise(Report& summary, const TrackPassage& t, const Train& train,
     summary.add("axles", train.axles.size());
     summary.add("train_length_m", train.length());
     summary.add("train_speed_m_per_s", t.train_speed());
-    summary.add("passage_duration_s", passing_time(train, t.train_speed(), t.rails()));
+    summary.add("passage_duration_s", passing_time(train, t.train_speed(), t.rails(world)));
     summary.add("bed_porosity", world.resource<BoxState>().bed_porosity);
+    summary.add("bed_stiffness_MN_per_m", 1e-6 * world.resource<BoxState>().bed_stiffness);
+    summary.add("tie_support_of_rails_MN_per_m", 1e-6 * t.rails(world).tie_support);
     if (world.has_resource<Fouling>()) add_fouling_results(summary, world);
     for (unsigned number = 1; number <= t.passages; ++number) {
         const PassageResponse r = passage_response(samples, number);

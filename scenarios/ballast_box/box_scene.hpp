@@ -63,10 +63,14 @@ struct BoxState {
     double bladder = 0;               ///< m, y of the bladder when the cycles begin
     double seat_ratio = 0;            ///< unbalanced force ratio when the cycles begin
     double seat_support = 0;          ///< share of the loads that the ballast carries then
+    /// N, m: support and height of the tie below the last axle of a train; 0: it has not come yet.
+    double pressed_support = 0, pressed_height = 0;
+    double bed_stiffness = 0; ///< N/m, of a whole tie, as the last train found it; 0: unknown
     static auto fields(auto& s) {
         return std::tie(s.stage, s.began, s.friction, s.calm, s.surface[0], s.surface[1],
                         s.surface[2], s.porosity[0], s.porosity[1], s.porosity[2], s.bed_porosity,
-                        s.tie_1, s.tie_2, s.bladder, s.seat_ratio, s.seat_support);
+                        s.tie_1, s.tie_2, s.bladder, s.seat_ratio, s.seat_support,
+                        s.pressed_support, s.pressed_height, s.bed_stiffness);
     }
     void save(Archive& archive) const { put_fields(archive, "box", fields(*this)); }
     void load(const Archive& archive) { get_fields(archive, "box", fields(*this)); }

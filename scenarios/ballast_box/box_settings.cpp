@@ -79,6 +79,8 @@ void check_box(const BallastBox& box) {
                         box.restitution));
     const bool fits =
         box.is_full() ? box.ties() >= 4 && box.ties() % 2 == 0 : box.ties() == 2 || box.ties() == 4;
+    require(box.tie_support > 0 || box.is_bay(),
+            "--tie-support: expected a stiffness above 0, found 0");
     require(fits, fmt::format("--box-ties: expected {}, found {}",
                               box.is_full() ? "an even number from 4 on" : "2 or 4", box.box_ties));
 }

@@ -210,7 +210,9 @@ void BallastBox::declare_track_options(auto& option) {
     option("rail_bending", rail_bending, "N m2", "Bending stiffness E I of both rails together.",
            within(1e4, 1e9));
     option("tie_support", tie_support, "N/m",
-           "Support of a tie when the rails distribute the loads.", within(1e5, 1e10));
+           "Support of the ties by pad, bed and subgrade in series, when the rails distribute the "
+           "loads. 0, in track_passage only: its pads, and the bed as the train before found it.",
+           within(0, 1e10).usually(1e6, 1e9));
     option("bladder_pressure", bladder_pressure, "Pa",
            "Pressure in the bladder next to the shoulder while it is inflated.", within(0, 1e6));
     option("tie_level", tie_level, "m",

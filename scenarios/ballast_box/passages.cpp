@@ -3,8 +3,8 @@
 #include "components/kinds.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/ballast_box/box_balance.hpp"
-#include "scenarios/ballast_box/hanging_tie.hpp"
 #include "scenarios/ballast_box/shells.hpp"
+#include "scenarios/ballast_box/tie_under_rails.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/loads/load.hpp"
@@ -50,19 +50,29 @@ void add_sample(const World& world, unsigned number, SeriesOf<PassageSample>& sa
 Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& train, double speed,
            unsigned number, SeriesOf<PassageSample>& samples, const PassageActions& actions,
            const Run& run) {
-    const RailOnTies rails = settings.rails();
-    const double duration = passing_time(train, speed, rails);
+    const auto duration_in = [=](const World& world) {
+        return passing_time(train, speed, settings.rails(world));
+    };
+    const bool hangs = settings.gap > 0 && number > 0;
     return {.advance =
-                [=, &samples, &actions, &run](Simulation& s) {
-                    const std::uint64_t steps = steps_per_sample(s.world());
-                    if (since(s.world()) < duration) {
+                [=, &test, &samples, &actions, &run](Simulation& s) {
+                    World& world = s.world();
+                    const double duration = duration_in(world);
+                    const std::uint64_t steps = steps_per_sample(world);
+                    if (since(world) < duration) {
                         s.advance(steps);
-                        (void)checked_stable_step(s.world());
-                        if (number > 0) add_sample(s.world(), number, samples);
+                        (void)checked_stable_step(world);
+                        const double last_axle =
+                            duration - settings.rails(world).reach() / speed; // is above the tie
+                        if (world.resource<BoxState>().pressed_support == 0 &&
+                            since(world) >= last_axle)
+                            note_pressed_tie(world);
+                        if (number > 0) add_sample(world, number, samples);
                         if (number > 0 && run.steps_in_phase() / steps % samples_per_frame == 0)
                             actions.frame();
-                        if (since(s.world()) < duration) return true;
+                        if (since(world) < duration) return true;
                     }
+                    if (!hangs) note_bed_stiffness(world, test.sizes().share);
                     if (number > 0) actions.completed(number);
                     return false;
                 },
@@ -70,17 +80,21 @@ Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& tr
                 [=](const World& world) {
                     const std::string name =
                         number > 0 ? fmt::format("passage {}", number) : "first train";
+                    const double duration = duration_in(world);
                     return PhaseProgress{name, since(world) / duration,
                                          fmt::format("{:.2f} of {:.2f} s", since(world), duration)};
                 },
             .begin =
-                [=, &test, hangs = settings.gap > 0 && number > 0](Simulation& s) {
-                    if (number > 0) change_shells(s.world(), settings.box);
-                    const double weight = weight_of_tie(s.world()) / test.sizes().share;
-                    test.begin_passage(
-                        s.world(),
-                        hangs ? passing_load_of_hanging_tie(train, speed, rails, dead_load, weight)
-                              : passing_load(train, speed, rails, dead_load));
+                [=, &test](Simulation& s) {
+                    World& world = s.world();
+                    if (number > 0) change_shells(world, settings.box);
+                    const RailOnTies rails = settings.rails(world);
+                    world.resource<BoxState>().pressed_support = 0;
+                    test.begin_passage(world, hangs ? passing_load_of_hanging_tie(
+                                                          train, speed, rails, dead_load,
+                                                          mass_of_tie(world) / test.sizes().share,
+                                                          -world.resource<Gravity>().value.z())
+                                                    : passing_load(train, speed, rails, dead_load));
                 }};
 }
 
@@ -97,9 +111,10 @@ Phase hang_up(const BoxTestRun& test, const TrackPassage& settings) {
                     return PhaseProgress{"hang the tie up", since(world) / duration, ""};
                 },
             .begin =
-                [&test, rails = settings.rails(), gap = settings.gap](Simulation& s) {
+                [&test, settings](Simulation& s) {
                     note_beginning(s.world());
-                    hang_tie(s.world(), rails, test.sizes().share, gap);
+                    hang_tie(s.world(), settings.rails(s.world()), test.sizes().share,
+                             settings.gap);
                     s.prepare();
                 }};
 }
@@ -119,6 +134,17 @@ Phase find_contacts() {
 }
 
 } // namespace
+
+RailOnTies TrackPassage::rails(const World& world) const {
+    constexpr double usual_bed = 80e6; // N/m, of clean beds of this model before any was measured
+    const double measured = world.resource<BoxState>().bed_stiffness,
+                 bed = measured > 0 ? measured : usual_bed;
+    return {.bending = box.rail_bending,
+            .tie_support =
+                box.tie_support > 0 ? box.tie_support : 1 / (1 / pad_stiffness + 1 / bed),
+            .spacing = tie_spacing,
+            .pad = pad_stiffness};
+}
 
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
                                   const TrackPassage& settings, const Train& train,

@@ -13,11 +13,11 @@ namespace bris {
 
 /// Settings of trains that pass over one tie of a bay of track.
 struct TrackPassage {
-    BallastBox box = {.model = "bay", .porosity = 0.42};
+    BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42};
     std::string train = "passenger", first_train = "none";
     double speed = 0;
     unsigned passages = 2;
-    double gap = 0;
+    double gap = 0, pad_stiffness = 120e6;
 
     void declare_options(auto& option);
 
@@ -25,7 +25,9 @@ struct TrackPassage {
         return speed > 0 ? speed : name == "passenger" ? 31.3 : 20.0;
     }
     double train_speed() const { return speed_of(train); }
-    RailOnTies rails() const { return {box.rail_bending, box.tie_support, tie_spacing}; }
+    /// The rails over this tie and others on pads and beds as stiff as its own was under the train
+    /// before, unless their support is given.
+    RailOnTies rails(const World& world) const;
 };
 
 /// A sample of a passage, on the tie that the train passes.
@@ -88,6 +90,9 @@ void TrackPassage::declare_options(auto& option) {
            "Gap under the tie: it hangs on the rails so far above the settled ballast, and takes "
            "load when the rails have pushed it down. 0: it lies on the ballast.",
            within(0, 0.05).usually(0, 0.01));
+    option("pad_stiffness", pad_stiffness, "N/m",
+           "Stiffness of the pads between the rails and a tie, those of both rails together.",
+           within(1e6, 1e10).usually(5e7, 5e8));
     option.group("Ballast");
     option("run", box.run, "",
            "State of the ballast, as in the runs of table 1 of the report: I.2 clean, I.4 without "

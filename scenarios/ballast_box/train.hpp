@@ -4,6 +4,7 @@
 #include "systems/loads/load.hpp"
 
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +42,8 @@ struct RailOnTies {
     double tie_support;       ///< N/m, of pads, bed and subgrade of a whole tie in series, > 0
     double spacing;           ///< m, of the ties, > 0
     double tie_weight = 3790; ///< N, of a tie of concrete, 2.59 m long
+    /// N/m, of the pads of a tie, by which rails push one that is modelled itself.
+    double pad = std::numeric_limits<double>::infinity();
     /// 1/m, (k / (4 E I))^(1/4) with the track modulus k = tie_support / spacing.
     double wave_number() const;
     /// m, distance beyond which a tie carries less than 1e-5 of what it does under the axle; to

@@ -1,7 +1,7 @@
 #include "engine/errors.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
-#include "scenarios/ballast_box/hanging_tie.hpp"
 #include "scenarios/ballast_box/shells.hpp"
+#include "scenarios/ballast_box/tie_under_rails.hpp"
 #include "scenarios/ballast_box/train.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/specimens/start.hpp"
@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <string>
 
 using namespace bris;
@@ -31,19 +32,27 @@ std::string file_with(const TemporaryDirectory& folder, const std::string& rows)
 } // namespace
 
 TEST_SUITE("ballast_box") {
-    TEST_CASE("a hanging tie is pushed as much as one that lies on its support") {
-        const Train train = train_named("locomotive");
-        const double k = usual.stiffness_without_tie();
-        const LoadHistory lies = passing_load(train, 20, usual, 800),
-                          hangs =
-                              passing_load_of_hanging_tie(train, 20, usual, 800, usual.tie_weight);
-        const double most = std::ranges::max(lies.values);
-        for (std::size_t n = 0; n < lies.values.size(); n += 100) {
-            // on a support of the usual stiffness, without dead load; elsewhere ties are lifted a
-            // little otherwise
-            const double deflection =
-                (hangs.values[n] + usual.tie_weight) / (k + usual.tie_support);
-            CHECK(std::abs(usual.tie_support * deflection - (lies.values[n] - 800)) < 1e-4 * most);
+    TEST_CASE("a hanging tie is pushed as much as one that lies on its support, and less on softer "
+              "ballast") {
+        const Train train{.name = "light, so that it lifts no tie",
+                          .axles = {{0, 9e4}, {1.8, 9e4}}};
+        const double speed = 1, mass = usual.tie_weight / 9.81; // slow: the dashpot does little
+        for (const double pad : {std::numeric_limits<double>::infinity(), 120e6}) {
+            RailOnTies rails = usual;
+            rails.pad = pad;
+            const double k = stiffness_above_tie(rails),
+                         bed = 1 / (1 / rails.tie_support - 1 / rails.pad);
+            const LoadHistory lies = passing_load(train, speed, rails, 800),
+                              hangs = passing_load_of_hanging_tie(train, speed, rails, 800, mass);
+            const double most = std::ranges::max(lies.values);
+            REQUIRE(lies.values.size() == hangs.values.size());
+            for (std::size_t n = 0; n < lies.values.size(); n += 1000) {
+                // of axles alone
+                const double push = hangs.values[n] + usual.tie_weight,
+                             carried = bed * push / (k + bed);
+                CHECK(std::abs(carried - (lies.values[n] - 800)) < 5e-4 * most);
+                CHECK(std::abs(0.5 * bed * push / (k + 0.5 * bed)) <= std::abs(carried) + 1e-9);
+            }
         }
     }
 
@@ -61,7 +70,7 @@ TEST_SUITE("ballast_box") {
         simulation.advance(20'000);
         CHECK(value_of<Position>(simulation, tie).z() == about(1.502).epsilon(guides));
         auto& load = simulation.world().resource<Loads>();
-        const double deflection = 0.003, stiffness = 0.5 * usual.stiffness_without_tie();
+        const double deflection = 0.003, stiffness = 0.5 * stiffness_above_tie(usual);
         load.of_body[value_of<LoadOf>(simulation, tie) - 1].front().history.mean +=
             stiffness * deflection;
         simulation.advance(40'000);
