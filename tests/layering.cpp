@@ -78,10 +78,10 @@ bool may_include_system(const std::string& file, const std::string& target) {
 
 /// The folders of scenarios/ in order. Each may include those before it; the executables may
 /// include all.
-constexpr std::array rooms{"rocks",       "sensors",     "records",  "specimens",
-                           "collision",   "stream",      "triaxial", "bulk",
-                           "ballast_box", "field_tests", "ensemble", "library",
-                           "monitoring",  "forecast",    "network",  "python"};
+constexpr std::array rooms{"rocks",       "sensors",  "records", "specimens",   "collision",
+                           "stream",      "triaxial", "bulk",    "ballast_box", "track",
+                           "field_tests", "ensemble", "library", "monitoring",  "forecast",
+                           "network",     "python"};
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {

@@ -49,6 +49,8 @@ public:
     /// exchange, all at once, or the first wrong one alone, which always ends (K. G. Murty,
     /// Opsearch 11, 1974). Throws InputError if the rail lies on fewer than two ties.
     RailDeflection under(std::span<const RailLoad> loads);
+    /// m, TieSupport::gap: the bed of a tie has settled.
+    void set_gap(std::size_t tie, double gap) { supports_[tie].gap = gap; }
 
     InfluenceLine influence_on(std::size_t tie) const;
     /// N/m, force on the rail at a tie over its deflection there if this tie is not carried and the

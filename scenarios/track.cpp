@@ -1,0 +1,230 @@
+// A stretch of track with a mud spot settles under its axles: gaps below the ties emerge from the
+// rail over beds that settle at different rates, and change the loads of the ties.
+#include "engine/ensemble.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/io/plot.hpp"
+#include "engine/report.hpp"
+#include "engine/scenario.hpp"
+#include "scenarios/track/settling_track.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace {
+
+using namespace bris;
+
+struct TrackRun {
+    SettlingTrack track;
+    double settlement = 4e-3;
+    unsigned tracks = 20, records = 8;
+
+    void declare_options(auto& option) {
+        option.group("Mud");
+        option("ratio", track.ratio, "",
+               "Settlement of a mud tie over that of a good one, under the same load. Nobody knows "
+               "it to better than a factor of five: try several.",
+               within(0.05, 100).usually(0.5, 10));
+        option("mud_ties", track.mud_ties, "", "Ties of mud in the middle of the stretch.",
+               within(0, 41));
+        option.group("Settlement");
+        option("settlement", settlement, "m",
+               "Settlement of a good track without mud, with which the run ends.",
+               within(1e-5, 0.1).usually(1e-4, 0.02));
+        option("exponent", track.exponent, "",
+               "Power of a tie's load with which its bed settles; laboratories found 1.6 to 5.",
+               within(0, 10));
+        option("scatter", track.scatter, "",
+               "Standard deviation of the logarithm of the settlement from tie to tie.",
+               within(0, 2));
+        option("tracks", tracks, "",
+               "Number of stretches with other random numbers, from which medians and 95 % bands "
+               "follow.",
+               within(1, 10000));
+        option("records", records, "", "Number of times at which results are written.",
+               within(1, 1000));
+        option("block", track.block, "",
+               "Largest change of the level of a tie before its load is computed again, over the "
+               "deflection of an even track.",
+               within(1e-3, 1));
+        option.group("Track");
+        option("ties", track.ties, "", "Ties of the stretch; beyond it all are even and good.",
+               within(5, 400));
+        option("axle_load", track.axle_load, "N", "Load of an axle, of both wheels.",
+               within(1e3, 5e5).usually(1e4, 4e5));
+        option("tie_support", track.tie_support, "N/m",
+               "Stiffness of pad, bed and subgrade of a tie in series.",
+               within(1e5, 1e10).usually(1e6, 1e9));
+        option("rail_bending", track.rail_bending, "N m2",
+               "Bending stiffness E I of both rails together.", within(1e4, 1e9));
+        option("weight", track.weight, "N", "Weight of rails, fastenings and a tie, at each tie.",
+               within(0, 1e5).usually(1e3, 2e4));
+    }
+};
+
+using History = std::vector<StretchState>; // of one stretch
+
+/// Of one number over all stretches.
+struct Band {
+    double low, median, high;
+};
+
+Band band_of(std::vector<double> values) {
+    std::ranges::sort(values);
+    const auto at = [&](double part) {
+        const double x = part * (static_cast<double>(values.size()) - 1);
+        const auto k = static_cast<std::size_t>(x);
+        const double next = values[std::min(k + 1, values.size() - 1)];
+        return values[k] + (x - static_cast<double>(k)) * (next - values[k]);
+    };
+    return {at(0.025), at(0.5), at(0.975)};
+}
+
+Band band_over(const std::vector<History>& all, std::size_t record,
+               const std::function<double(const StretchState&)>& number) {
+    std::vector<double> values;
+    for (const History& history : all) values.push_back(number(history[record]));
+    return band_of(std::move(values));
+}
+
+/// What is asked of a stretch.
+struct Quantity {
+    std::string key;
+    std::function<double(const StretchState&)> of;
+};
+
+std::vector<Quantity> quantities_of(const SettlingTrack& t) {
+    const std::size_t middle = t.ties / 2, neighbour = (t.ties - t.mud_ties) / 2 - 1;
+    const auto hanging = [t](const StretchState& s) {
+        double ties = 0, hang = 0;
+        for (std::size_t i = 0; i < t.ties; ++i)
+            if (!t.is_mud(i)) {
+                ++ties;
+                hang += s.voids[i] > 0 ? 1 : 0;
+            }
+        return hang / ties;
+    };
+    std::vector<Quantity> all;
+    if (t.mud_ties > 0 && t.mud_ties < t.ties) {
+        all.push_back({"void_of_middle_mud_tie_mm",
+                       [=](const StretchState& s) { return 1e3 * s.voids[middle]; }});
+        all.push_back({"load_of_middle_mud_tie_over_even",
+                       [=](const StretchState& s) { return s.loads[middle]; }});
+        all.push_back({"load_of_first_good_tie_over_even",
+                       [=](const StretchState& s) { return s.loads[neighbour]; }});
+    }
+    if (t.mud_ties < t.ties) all.push_back({"share_of_good_ties_that_hang", hanging});
+    all.push_back(
+        {"largest_void_mm", [](const StretchState& s) { return 1e3 * std::ranges::max(s.voids); }});
+    for (const auto& [name, chord] : {std::pair{"10m", 10.0}, std::pair{"62ft", 62 * 0.3048}})
+        if (chord <= t.spacing * (t.ties - 1))
+            all.push_back({fmt::format("dip_over_{}_mm", name), [=](const StretchState& s) {
+                               return 1e3 * dip_over_chord(s.profile, t.spacing, chord);
+                           }});
+    return all;
+}
+
+void write_ties(const std::filesystem::path& csv, const SettlingTrack& t,
+                const std::vector<History>& all) {
+    std::vector<std::vector<double>> rows;
+    for (std::size_t k = 0; k < all.size(); ++k)
+        for (const StretchState& s : all[k])
+            for (std::size_t i = 0; i < t.ties; ++i)
+                rows.push_back({static_cast<double>(k + 1), s.settled, static_cast<double>(i + 1),
+                                t.is_mud(i) ? 1.0 : 0.0, s.settlements[i], s.voids[i], s.loads[i],
+                                s.profile[i]});
+    write_csv(csv,
+              {"stretch", "settlement_of_good_track_m", "tie", "mud", "settlement_m", "void_m",
+               "load_over_even", "profile_m"},
+              rows,
+              {"void: between tie and bed without a train; load: largest force of the bed on the "
+               "tie over that of an even track;",
+               "profile: of the rail below an axle at each tie, downwards"},
+              6);
+}
+
+void draw(const std::filesystem::path& png, const SettlingTrack& t,
+          const std::vector<History>& all) {
+    const std::size_t records = all.front().size();
+    Plot voids{.title = "Void below the ties, median of stretches",
+               .x_label = "place along the track (m)",
+               .y_label = "void (mm)"},
+        loads{.title = "Load of the ties over that of an even track",
+              .x_label = "place along the track (m)",
+              .y_label = "load over even (-)"},
+        history{.title = "As the track settles, medians",
+                .x_label = "settlement of a good track (mm)",
+                .y_label = "mm, or over even"};
+    for (const std::size_t record : {records / 4, records / 2, records - 1}) {
+        const std::string label =
+            fmt::format("good track settled by {:.3g} mm", 1e3 * all.front()[record].settled);
+        Curve of_voids{.label = label}, of_loads{.label = label};
+        for (std::size_t i = 0; i < t.ties; ++i) {
+            const double x = t.spacing * (static_cast<double>(i) - 0.5 * (t.ties - 1));
+            of_voids.x.push_back(x);
+            of_loads.x.push_back(x);
+            of_voids.y.push_back(band_over(all, record, [i](const StretchState& s) {
+                                     return 1e3 * s.voids[i];
+                                 }).median);
+            of_loads.y.push_back(
+                band_over(all, record, [i](const StretchState& s) { return s.loads[i]; }).median);
+        }
+        voids.curves.push_back(std::move(of_voids));
+        loads.curves.push_back(std::move(of_loads));
+    }
+    for (const Quantity& q : quantities_of(t)) {
+        Curve curve{.label = q.key};
+        std::ranges::replace(curve.label, '_', ' ');
+        for (std::size_t record = 0; record < records; ++record) {
+            curve.x.push_back(1e3 * all.front()[record].settled);
+            curve.y.push_back(band_over(all, record, q.of).median);
+        }
+        history.curves.push_back(std::move(curve));
+    }
+    draw_plots(png, {voids, loads, history}, 3);
+}
+
+void run(const TrackRun& given, const Common& common) {
+    const SettlingTrack& t = given.track;
+    std::vector<double> settlements;
+    for (unsigned k = 1; k <= given.records; ++k)
+        settlements.push_back(given.settlement * k / given.records);
+    std::vector<History> all(given.tracks);
+    run_ensemble(all.size(), common.threads, [&](std::size_t k) {
+        all[k] = settle_track(t, settlements, 1000 * common.seed + k);
+    });
+    Report summary;
+    summary.add("settlement_of_good_track_mm", 1e3 * given.settlement);
+    summary.show({"settlement_of_good_track_mm"});
+    for (const Quantity& q : quantities_of(t)) {
+        const Band band = band_over(all, given.records - 1, q.of);
+        const std::string unit = q.key.ends_with("_mm") ? "_mm" : "";
+        const std::string name = q.key.substr(0, q.key.size() - unit.size());
+        summary.add(q.key, band.median);
+        summary.add(name + "_low" + unit, band.low);
+        summary.add(name + "_high" + unit, band.high);
+        summary.show({q.key});
+    }
+    summary.show_sentence(fmt::format(
+        "Bands hold 95 % of {} stretches. No ballast was computed: the ratio of settlements, {:g}, "
+        "is assumed, and nothing is said of the time that the track needs.",
+        given.tracks, t.ratio));
+    write_ties(common.out / "ties.csv", t, all);
+    draw(common.out / "track.png", t, all);
+    report_results(common, summary);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<TrackRun>(
+        argc, argv,
+        {.name = "track",
+         .description = "A stretch of track with a mud spot settles: gaps and loads of its ties.",
+         .cannot_resume = "a stretch settles in seconds",
+         .cannot_explain = "it has no time steps"},
+        run);
+}
