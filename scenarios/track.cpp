@@ -1,8 +1,10 @@
 // A stretch of track with a mud spot settles under its axles: gaps below the ties emerge from the
 // rail over beds that settle at different rates, and change the loads of the ties.
 #include "engine/ensemble.hpp"
+#include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
+#include "engine/progress.hpp"
 #include "engine/report.hpp"
 #include "engine/scenario.hpp"
 #include "scenarios/track/settling_track.hpp"
@@ -10,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 
@@ -189,13 +192,22 @@ void draw(const std::filesystem::path& png, const SettlingTrack& t,
 
 void run(const TrackRun& given, const Common& common) {
     const SettlingTrack& t = given.track;
+    require(
+        t.mud_ties <= t.ties,
+        fmt::format("--mud-ties: expected at most the {} of --ties, found {}", t.ties, t.mud_ties));
     std::vector<double> settlements;
     for (unsigned k = 1; k <= given.records; ++k)
         settlements.push_back(given.settlement * k / given.records);
     std::vector<History> all(given.tracks);
+    Progress progress = make_progress(common);
+    std::atomic<std::size_t> done = 0;
     run_ensemble(all.size(), common.threads, [&](std::size_t k) {
         all[k] = settle_track(t, settlements, 1000 * common.seed + k);
+        const std::size_t now = ++done;
+        progress.report(0, {"settle", static_cast<double>(now) / static_cast<double>(all.size()),
+                            fmt::format("stretch {} of {}", now, all.size())});
     });
+    progress.report(0, {});
     Report summary;
     summary.add("settlement_of_good_track_mm", 1e3 * given.settlement);
     summary.show({"settlement_of_good_track_mm"});

@@ -3,6 +3,8 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,7 +30,12 @@ public:
 
     /// Until a good track has settled by `until` (m).
     void settle(double until) {
+        constexpr double most_blocks = 20'000;
         const double step = track_.block * even_ / track_.tie_support;
+        require(until <= most_blocks * step,
+                fmt::format("track: expected a settlement of at most {:.3g} mm, {:g} blocks, found "
+                            "{:.3g} mm",
+                            1e3 * most_blocks * step, most_blocks, 1e3 * until));
         while (settled_ < until) {
             double fastest = 1;
             std::vector<double> rates;

@@ -341,6 +341,7 @@ TEST_SUITE("scenarios/command_line") {
         for (const Command& command : {Command{"smartrock_net", {"--rock-repeats", "2.5"}},
                                        Command{"smartrock_net", {"--packet-samples", "3.5"}},
                                        Command{"smartrock_net", {"--contact-interval", "0.5"}},
+                                       Command{"track", {"--mud-ties", "40", "--ties", "21"}},
                                        Command{"monitor", {"--segment", "77"}}})
             check_refusal(command, outcome_of(command), 2, command.flags.front());
         const Command impact{"verify", {"--restitution", "0.01", "--steps-per-contact", "1.01"}};

@@ -38,6 +38,7 @@ std::vector<Words> smallest_runs() {
              "0.005,0.02"},
             {"smartrock_net", "--duration", "4000", "--headway", "600"},
             {"stress", "--case", "S1"},
+            {"track", "--tracks", "2"},
             {"triaxial", "--config", small + "/specimen.cfg", "--grading", small + "/grading.csv",
              "--confining-pressure", "55e3,110e3"},
             {"verify", "--case", "top"}};
