@@ -4,8 +4,8 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
-#include "engine/progress.hpp"
 #include "engine/report.hpp"
+#include "engine/run.hpp"
 #include "engine/scenario.hpp"
 #include "scenarios/track/settling_track.hpp"
 
