@@ -100,6 +100,8 @@ Phase save_bed(const Run& run, const std::function<void()>& saved = {});
 
 /// N, weight on a whole tie of both rails (67 kg/m each) and fastenings along its spacing.
 inline constexpr double dead_load = 2 * 67 * 9.81 * tie_spacing;
+/// N, of a whole tie.
+inline constexpr double weight_of_tie = 9.81 * tie_mass;
 /// Steps between checks.
 inline constexpr std::uint64_t block = 200;
 /// Time step over the stable step of scaled masses without dashpots. A dense bed with the dashpots

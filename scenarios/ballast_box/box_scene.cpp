@@ -20,8 +20,7 @@ namespace bris {
 
 namespace {
 
-constexpr double parked = 5; // m, height where bodies wait
-constexpr double concrete_density = 2400;
+constexpr double parked = 5;                                 // m, height where bodies wait
 constexpr double guide_stiffness = 5e7, guide_damping = 2e4; // N/m, N s/m
 constexpr double sensor_size = 0.045;                        // m, sieve size of a sensor rock
 
@@ -103,7 +102,7 @@ void add_bladder(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
 }
 
 void add_tie_bodies(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_t material) {
-    const double mass = concrete_density * (tie_width * tie_length * tie_height) * s.share;
+    const double mass = tie_mass * s.share;
     for (const double x : s.ties) {
         const Vec3 centre(x, s.tie_centre(), parked);
         const EntityId tie =

@@ -78,8 +78,9 @@ FoulingOptions fouling_of(const BallastBox& box);
 /// Upper limit of restitution while the bed is made, so that rocks come to rest soon.
 inline constexpr double making_restitution = 0.3;
 
-inline constexpr double tie_width = 0.27, tie_length = 2.59, tie_height = 0.23; // m
-inline constexpr double tie_spacing = 0.61;                                     // m
+inline constexpr double tie_width = 0.27, tie_length = 2.59, tie_height = 0.23;  // m
+inline constexpr double tie_mass = 2400 * (tie_width * tie_length * tie_height); // kg, of concrete
+inline constexpr double tie_spacing = 0.61;                                      // m
 inline constexpr double plate_thickness = 0.05; // m, of the plates that compact the lifts
 
 /// Sizes of the box, its ties and its bladder, m. Those of the box are the report's; those of the

@@ -143,6 +143,7 @@ RailOnTies TrackPassage::rails(const World& world) const {
             .tie_support =
                 box.tie_support > 0 ? box.tie_support : 1 / (1 / pad_stiffness + 1 / bed),
             .spacing = tie_spacing,
+            .tie_weight = weight_of_tie,
             .pad = pad_stiffness};
 }
 

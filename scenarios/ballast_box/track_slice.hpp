@@ -43,7 +43,9 @@ struct PassageRecord {
 struct TrackSlice {
     BallastBox box = {};
     std::uint64_t seed = 1; ///< of the packing
-    RailOnTies rails() const { return {box.rail_bending, box.tie_support, tie_spacing}; }
+    RailOnTies rails() const {
+        return {box.rail_bending, box.tie_support, tie_spacing, weight_of_tie};
+    }
 };
 
 /// Makes the bed of a slice, seats its tie under the weight of the rails, lets the trains pass one

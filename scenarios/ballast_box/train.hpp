@@ -38,10 +38,10 @@ void say_how_read(const Train& train);
 
 /// A straight track with the same support under all ties.
 struct RailOnTies {
-    double bending;           ///< N m2, stiffness E I of both rails together, > 0
-    double tie_support;       ///< N/m, of pads, bed and subgrade of a whole tie in series, > 0
-    double spacing;           ///< m, of the ties, > 0
-    double tie_weight = 3790; ///< N, of a tie of concrete, 2.59 m long
+    double bending;     ///< N m2, stiffness E I of both rails together, > 0
+    double tie_support; ///< N/m, of pads, bed and subgrade of a whole tie in series, > 0
+    double spacing;     ///< m, of the ties, > 0
+    double tie_weight;  ///< N
     /// N/m, of the pads of a tie, by which rails push one that is modelled itself.
     double pad = std::numeric_limits<double>::infinity();
     /// 1/m, (k / (4 E I))^(1/4) with the track modulus k = tie_support / spacing.

@@ -10,7 +10,8 @@ using namespace bris;
 
 namespace {
 
-constexpr RailOnTies usual{.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61};
+constexpr RailOnTies usual{
+    .bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61, .tie_weight = 3790};
 constexpr double dead = 800; // N
 
 Train bogies(const std::vector<double>& centres, double wheelbase, double load) {

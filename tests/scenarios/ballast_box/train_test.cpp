@@ -21,7 +21,8 @@ using namespace bris;
 
 namespace {
 
-constexpr RailOnTies usual{.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61};
+constexpr RailOnTies usual{
+    .bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61, .tie_weight = 3790};
 
 std::string file_with(const TemporaryDirectory& folder, const std::string& rows) {
     const auto path = folder.path() / "train.csv";

@@ -111,10 +111,11 @@ TEST_SUITE("forecast/passage_forecast") {
     TEST_CASE("compliances come from recordings that are sound and of the train; the others are "
               "counted and say why") {
         const TemporaryDirectory folder;
-        const PassingTrain passing{train_named("inspection"),
-                                   20,
-                                   {.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61},
-                                   800};
+        const PassingTrain passing{
+            train_named("inspection"),
+            20,
+            {.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61, .tie_weight = 3790},
+            800};
         const LoadHistory load =
             passing_load(passing.train, passing.speed, passing.rails, passing.dead_load);
         Passage passage{"passage_01", {}};

@@ -12,7 +12,8 @@ using namespace bris::testing;
 
 namespace {
 
-constexpr RailOnTies rails{.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61};
+constexpr RailOnTies rails{
+    .bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61, .tie_weight = 3790};
 
 /// By least squares over the changes between extremes of the load, as Movement::compliance.
 double true_compliance(const Train& train) {

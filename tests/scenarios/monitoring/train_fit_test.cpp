@@ -15,7 +15,8 @@ using namespace bris::testing;
 namespace {
 
 constexpr double rate = 500, lowest = 0.7; // Hz
-constexpr RailOnTies rails{.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61};
+constexpr RailOnTies rails{
+    .bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61, .tie_weight = 3790};
 
 PassingTrain passing(const char* train, double speed = 20) {
     return {train_named(train), speed, rails, 800};
