@@ -1,12 +1,17 @@
 #pragma once
 
 #include "engine/archive.hpp"
+#include "engine/errors.hpp"
 #include "engine/world.hpp"
 #include "scenarios/ballast_box/box_settings.hpp"
 #include "scenarios/rocks/grading.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace bris {
@@ -73,7 +78,15 @@ struct BoxState {
                         s.pressed_support, s.pressed_height, s.bed_stiffness);
     }
     void save(Archive& archive) const { put_fields(archive, "box", fields(*this)); }
-    void load(const Archive& archive) { get_fields(archive, "box", fields(*this)); }
+    void load(const Archive& archive) {
+        constexpr auto expected = std::tuple_size_v<decltype(fields(std::declval<BoxState&>()))>;
+        const std::size_t found = archive.get<double>("box").size();
+        require(found == expected,
+                fmt::format("box: expected {} numbers, found {}: this checkpoint is of another "
+                            "version of BRIS",
+                            expected, found));
+        get_fields(archive, "box", fields(*this));
+    }
 };
 
 /// Makes the world of a box: subgrade, sides, bladder, compaction plate, ties, sensor rocks, and

@@ -44,13 +44,14 @@ void resume_box(Run& run, Simulation& simulation, const BallastBox& box, const C
 namespace {
 
 constexpr auto bed_file = "bed.ckpt.h5";
+constexpr auto kind_of_bed = "bed_2"; // 1: without the stiffness of the bed, the rails as Winkler's
 
 } // namespace
 
 BoxBed::BoxBed(const Simulation& simulation, const Common& common,
                std::vector<std::string_view> after_bed)
     : common_(common), after_bed_(std::move(after_bed)),
-      store_(common, simulation, "bed", after_bed_) {}
+      store_(common, simulation, kind_of_bed, after_bed_) {}
 
 void BoxBed::begin(Run& run, Simulation& simulation, const BallastBox& box,
                    const std::vector<std::string_view>& may_differ) const {
