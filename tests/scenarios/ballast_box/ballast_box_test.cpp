@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <numeric>
+#include <span>
 
 using namespace bris;
 using namespace bris::testing;
@@ -186,6 +187,19 @@ TEST_SUITE("ballast_box") {
             CHECK(sensor.place.y() > 1.6);
             CHECK(sensor.place.y() < s.tie_end());
         }
+    }
+
+    TEST_CASE("the state of a box of another version is refused by name") {
+        Archive archive;
+        BoxState().save(archive);
+        BoxState().load(archive);
+        std::vector<double> numbers = archive.get<double>("box");
+        numbers.resize(numbers.size() - 3);
+        Archive older;
+        older.put("box", std::span<const double>(numbers));
+        CHECK(refusal_of([&] {
+                  BoxState().load(older);
+              }).starts_with("box: expected 19 numbers, found 16"));
     }
 
     TEST_CASE("cycles are evaluated at their least load: settlement, rebound, stiffness and loop") {
