@@ -99,10 +99,11 @@ LevelScatter level_scatter(const std::vector<SensorBaseline>& baselines) {
     return scatter;
 }
 
-double power_of(const LevelScatter& scatter, const PlannedChange& change, std::size_t draws) {
+double power_of(const LevelScatter& scatter, const PlannedChange& change, std::size_t draws,
+                std::uint64_t seed) {
     std::size_t found = 0;
     for (std::size_t k = 0; k < draws; ++k) {
-        Random random(11, k);
+        Random random(seed, k);
         found += is_found(scatter, change, random);
     }
     return static_cast<double>(found) / static_cast<double>(draws);

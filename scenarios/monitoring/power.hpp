@@ -26,8 +26,9 @@ struct LevelScatter {
 LevelScatter level_scatter(const std::vector<SensorBaseline>& baselines);
 
 /// Probability that any of the sensors, which are like those of the baseline in turn, raises the
-/// alarm of judge_together by its level: the share of normally distributed runs, which are always
-/// the same.
-double power_of(const LevelScatter& scatter, const PlannedChange& change, std::size_t draws = 4000);
+/// alarm of judge_together by its level: the share of normally distributed runs, which are the same
+/// for the same seed.
+double power_of(const LevelScatter& scatter, const PlannedChange& change, std::size_t draws = 4000,
+                std::uint64_t seed = 11);
 
 } // namespace bris

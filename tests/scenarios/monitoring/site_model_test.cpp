@@ -310,7 +310,7 @@ TEST_SUITE("monitoring/site_model") {
                                    baselines_with(models), false_alarms);
                 found += is_change(overall_verdict(sensors_now).verdict);
                 predicted += power_of(level_scatter(baselines_with(models)),
-                                      {ratio, sensors, passages, false_alarms}, 15) /
+                                      {ratio, sensors, passages, false_alarms}, 15, 1000 + site) /
                              sites;
             }
             const double power = static_cast<double>(found) / sites;
