@@ -77,10 +77,10 @@ void check_box(const BallastBox& box) {
     require(box.restitution == 0 || box.restitution >= making_restitution,
             fmt::format("--restitution: expected 0 or {:g} to 1, found {:g}", making_restitution,
                         box.restitution));
-    const bool fits =
-        box.is_full() ? box.ties() >= 4 && box.ties() % 2 == 0 : box.ties() == 2 || box.ties() == 4;
     require(box.tie_support > 0 || box.is_bay(),
             "--tie-support: expected a stiffness above 0, found 0");
+    const bool fits =
+        box.is_full() ? box.ties() >= 4 && box.ties() % 2 == 0 : box.ties() == 2 || box.ties() == 4;
     require(fits, fmt::format("--box-ties: expected {}, found {}",
                               box.is_full() ? "an even number from 4 on" : "2 or 4", box.box_ties));
 }

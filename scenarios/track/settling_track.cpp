@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "scenarios/ballast_box/train.hpp"
 
 #include <fmt/format.h>
 
@@ -71,8 +72,8 @@ private:
     };
 
     static std::size_t margin_of(const SettlingTrack& t) {
-        const double wave_number = std::pow(t.tie_support / t.spacing / (4 * t.rail_bending), 0.25);
-        return static_cast<std::size_t>(std::ceil(6 / wave_number / t.spacing));
+        const RailOnTies even{t.rail_bending, t.tie_support, t.spacing, t.weight};
+        return static_cast<std::size_t>(std::ceil(6 / even.wave_number() / t.spacing));
     }
     static TrackRail make_rail(const SettlingTrack& t, std::size_t margin) {
         std::vector<double> at;
