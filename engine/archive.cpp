@@ -50,6 +50,13 @@ std::uint64_t hash_of(std::span<const Archive::Array> arrays, const std::string&
 
 } // namespace
 
+void require_numbers(const std::string& path, std::size_t expected, std::size_t found) {
+    require(found == expected,
+            fmt::format("{}: expected {} numbers, found {}: this checkpoint is of another version "
+                        "of BRIS",
+                        path, expected, found));
+}
+
 const Archive::Array* Archive::find(const std::string& path) const {
     for (const Array& array : arrays_)
         if (array.path == path) return &array;

@@ -58,8 +58,11 @@ private:
     std::vector<Array> arrays_;
 };
 
+/// Throws InputError if an array of a checkpoint has not as many numbers as this version expects.
+void require_numbers(const std::string& path, std::size_t expected, std::size_t found);
+
 /// Stores a tuple of references to numbers and flags as one array of doubles; get_fields reads it
-/// back.
+/// back, and refuses one of another length.
 template <class... Fields>
 void put_fields(Archive& archive, const std::string& path,
                 const std::tuple<const Fields&...>& fields) {
@@ -71,6 +74,7 @@ template <class... Fields>
 void get_fields(const Archive& archive, const std::string& path,
                 const std::tuple<Fields&...>& fields) {
     const auto numbers = archive.get<double>(path);
+    require_numbers(path, sizeof...(Fields), numbers.size());
     std::size_t next = 0;
     std::apply([&](auto&... field) { ((field = static_cast<Fields>(numbers.at(next++))), ...); },
                fields);

@@ -229,7 +229,7 @@ void summarise(Report& summary, const World& world, const BallastBox& box,
 
 /// Settings that act after the bed was made, which serves for any of their values.
 std::vector<std::string_view> settings_after_bed(const BallastBox& box, const Common& common) {
-    std::vector<std::string_view> keys = settings_of_state(common);
+    std::vector<std::string_view> keys = settings_of_state(box, common);
     keys.insert(keys.end(),
                 {"cycles", "frequency_Hz", "peak_load_N", "least_load", "steps_per_cycle",
                  "rail_bending_N_m2", "tie_support_N_per_m", "tie_level_m",

@@ -7,7 +7,7 @@
 #include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "engine/scenario.hpp"
-#include "scenarios/track/settling_track.hpp"
+#include "scenarios/track/coupled_track.hpp"
 
 #include <fmt/format.h>
 
@@ -21,50 +21,91 @@ namespace {
 using namespace bris;
 
 struct TrackRun {
-    SettlingTrack track;
-    double settlement = 4e-3;
+    StretchSettings stretch = {};
+    SettlementLaw law = {};
+    double block = 0.1, settlement = 4e-3;
     unsigned tracks = 20, records = 8;
+    unsigned bays = 0, cycles = 100;
+    double pad_stiffness = 120e6;
+    std::string mud_run = "II.3";
+    BallastBox box = {.width = tie_spacing};
 
     void declare_options(auto& option) {
         option.group("Mud");
-        option("ratio", track.ratio, "",
-               "Settlement of a mud tie over that of a good one, under the same load. Nobody knows "
-               "it to better than a factor of five: try several.",
+        option("ratio", law.ratio, "",
+               "Settlement of a mud tie over that of a good one, under the same load, where no "
+               "ballast is computed. Nobody knows it to better than a factor of five: try several.",
                within(0.05, 100).usually(0.5, 10));
-        option("mud_ties", track.mud_ties, "", "Ties of mud in the middle of the stretch.",
+        option("mud_ties", stretch.mud_ties, "", "Ties of mud in the middle of the stretch.",
                within(0, 41));
+        declare_law(option);
+        declare_track(option);
+        declare_bays(option);
+    }
+    void declare_law(auto& option) {
         option.group("Settlement");
         option("settlement", settlement, "m",
-               "Settlement of a good track without mud, with which the run ends.",
+               "Settlement of a good track without mud, with which the run ends (without --bays).",
                within(1e-5, 0.1).usually(1e-4, 0.02));
-        option("exponent", track.exponent, "",
+        option("exponent", law.exponent, "",
                "Power of a tie's load with which its bed settles; laboratories found 1.6 to 5.",
                within(0, 10));
-        option("scatter", track.scatter, "",
+        option("scatter", law.scatter, "",
                "Standard deviation of the logarithm of the settlement from tie to tie.",
                within(0, 2));
         option("tracks", tracks, "",
                "Number of stretches with other random numbers, from which medians and 95 % bands "
-               "follow.",
+               "follow. Bays of ballast belong to one stretch.",
                within(1, 10000));
         option("records", records, "", "Number of times at which results are written.",
                within(1, 1000));
-        option("block", track.block, "",
+        option("block", block, "",
                "Largest change of the level of a tie before its load is computed again, over the "
                "deflection of an even track.",
                within(1e-3, 1));
+    }
+    void declare_track(auto& option) {
         option.group("Track");
-        option("ties", track.ties, "", "Ties of the stretch; beyond it all are even and good.",
+        option("ties", stretch.ties, "", "Ties of the stretch; beyond it all are even and good.",
                within(5, 400));
-        option("axle_load", track.axle_load, "N", "Load of an axle, of both wheels.",
+        option("axle_load", stretch.axle_load, "N", "Load of an axle, of both wheels.",
                within(1e3, 5e5).usually(1e4, 4e5));
-        option("tie_support", track.tie_support, "N/m",
-               "Stiffness of pad, bed and subgrade of a tie in series.",
+        option("tie_support", stretch.tie_support, "N/m",
+               "Stiffness of pad, bed and subgrade of a tie in series; with --bays until the first "
+               "axle has measured it.",
                within(1e5, 1e10).usually(1e6, 1e9));
-        option("rail_bending", track.rail_bending, "N m2",
+        option("rail_bending", stretch.rail_bending, "N m2",
                "Bending stiffness E I of both rails together.", within(1e4, 1e9));
-        option("weight", track.weight, "N", "Weight of rails, fastenings and a tie, at each tie.",
+        option("weight", stretch.weight, "N", "Weight of rails, fastenings and a tie, at each tie.",
                within(0, 1e5).usually(1e3, 2e4));
+    }
+    void declare_bays(auto& option) {
+        option.group("Bays of ballast");
+        option(
+            "bays", bays, "",
+            "Ties in the middle that lie on computed ballast, each on a bay of its own. 0: none.",
+            within(0, 41));
+        option("cycles", cycles, "", "Axles that pass.", within(1, 1e6));
+        option("mud_run", mud_run, "",
+               "Run of table 1 of the report (ballast_box --run) to which mud bays belong; the "
+               "options of fouling are theirs.");
+        option("fines", box.fines, "",
+               "mixed: fines and water lie in each lift before its compaction. filled: they come "
+               "into the voids of the finished bed.",
+               {"mixed", "filled"});
+        option("pad_stiffness", pad_stiffness, "N/m", "Of both pads of a tie.", within(1e6, 1e10));
+        option("steps_per_cycle", box.steps_per_cycle, "", "Time steps for each axle.",
+               within(200, 1e6));
+        option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.3.",
+               within(0, 4));
+        box.declare_ballast_options(option);
+    }
+
+    CoupledTrack coupled() const {
+        BallastBox clean = box, mud = box;
+        clean.fouling = BallastBox{}.fouling;
+        mud.run = mud_run;
+        return {stretch, law, clean, mud, bays, cycles, pad_stiffness, block};
     }
 };
 
@@ -99,7 +140,7 @@ struct Quantity {
     std::function<double(const StretchState&)> of;
 };
 
-std::vector<Quantity> quantities_of(const SettlingTrack& t) {
+std::vector<Quantity> quantities_of(const StretchSettings& t) {
     const std::size_t middle = t.ties / 2, neighbour = (t.ties - t.mud_ties) / 2 - 1;
     const auto hanging = [t](const StretchState& s) {
         double ties = 0, hang = 0;
@@ -130,26 +171,27 @@ std::vector<Quantity> quantities_of(const SettlingTrack& t) {
     return all;
 }
 
-void write_ties(const std::filesystem::path& csv, const SettlingTrack& t,
+void write_ties(const std::filesystem::path& csv, const StretchSettings& t,
                 const std::vector<History>& all) {
     std::vector<std::vector<double>> rows;
     for (std::size_t k = 0; k < all.size(); ++k)
         for (const StretchState& s : all[k])
             for (std::size_t i = 0; i < t.ties; ++i)
-                rows.push_back({static_cast<double>(k + 1), s.settled, static_cast<double>(i + 1),
-                                t.is_mud(i) ? 1.0 : 0.0, s.settlements[i], s.voids[i], s.loads[i],
-                                s.profile[i]});
+                rows.push_back({static_cast<double>(k + 1), s.cycles, s.settled,
+                                static_cast<double>(i + 1), t.is_mud(i) ? 1.0 : 0.0,
+                                s.settlements[i], s.voids[i], s.loads[i], s.profile[i]});
     write_csv(csv,
-              {"stretch", "settlement_of_good_track_m", "tie", "mud", "settlement_m", "void_m",
-               "load_over_even", "profile_m"},
+              {"stretch", "axles", "settlement_of_good_track_m", "tie", "mud", "settlement_m",
+               "void_m", "load_over_even", "profile_m"},
               rows,
-              {"void: between tie and bed without a train; load: largest force of the bed on the "
+              {"axles: 0 where no ballast was computed; void: between tie and bed without a train; "
+               "load: largest force of the bed on the "
                "tie over that of an even track;",
                "profile: of the rail below an axle at each tie, downwards"},
               6);
 }
 
-void draw(const std::filesystem::path& png, const SettlingTrack& t,
+void draw(const std::filesystem::path& png, const StretchSettings& t,
           const std::vector<History>& all) {
     const std::size_t records = all.front().size();
     Plot voids{.title = "Void below the ties, median of stretches",
@@ -190,43 +232,120 @@ void draw(const std::filesystem::path& png, const SettlingTrack& t,
     draw_plots(png, {voids, loads, history}, 3);
 }
 
-void run(const TrackRun& given, const Common& common) {
-    const SettlingTrack& t = given.track;
-    require(
-        t.mud_ties <= t.ties,
-        fmt::format("--mud-ties: expected at most the {} of --ties, found {}", t.ties, t.mud_ties));
-    std::vector<double> settlements;
-    for (unsigned k = 1; k <= given.records; ++k)
-        settlements.push_back(given.settlement * k / given.records);
+/// Stretches that settle by the law alone, at these settlements of a good track.
+std::vector<History> settle_tracks(const TrackRun& given, const SettlementLaw& law,
+                                   const std::vector<double>& settlements, const Common& common) {
     std::vector<History> all(given.tracks);
     Progress progress = make_progress(common);
     std::atomic<std::size_t> done = 0;
     run_ensemble(all.size(), common.threads, [&](std::size_t k) {
-        all[k] = settle_track(t, settlements, 1000 * common.seed + k);
+        all[k] =
+            settle_track({given.stretch, law, given.block}, settlements, 1000 * common.seed + k);
         const std::size_t now = ++done;
         progress.report(0, {"settle", static_cast<double>(now) / static_cast<double>(all.size()),
                             fmt::format("stretch {} of {}", now, all.size())});
     });
     progress.report(0, {});
+    return all;
+}
+
+/// The last record of all stretches: medians, and bands where there are several.
+void add_last(Report& summary, const StretchSettings& t, const std::vector<History>& all,
+              const std::string& when = "") {
+    for (const Quantity& q : quantities_of(t)) {
+        const Band band = band_over(all, all.front().size() - 1, q.of);
+        const std::string unit = q.key.ends_with("_mm") ? "_mm" : "";
+        const std::string name = q.key.substr(0, q.key.size() - unit.size()) + when;
+        summary.add(name + unit, band.median);
+        if (all.size() > 1) {
+            summary.add(name + "_low" + unit, band.low);
+            summary.add(name + "_high" + unit, band.high);
+        }
+        summary.show({name + unit});
+    }
+}
+
+void write_bays(const std::filesystem::path& csv, const StretchSettings& t,
+                const CoupledHistory& history) {
+    std::vector<std::vector<double>> rows;
+    for (const BayBlock& b : history.blocks)
+        rows.push_back({static_cast<double>(b.tie + 1), t.is_mud(b.tie) ? 1.0 : 0.0, b.cycles,
+                        b.load, b.settlement, b.stiffness});
+    write_csv(csv, {"tie", "mud", "axles", "load_N", "settlement_m", "stiffness_N_per_m"}, rows,
+              {"load: largest force of the bed on the tie; stiffness: of bed and subgrade under a "
+               "whole tie, as the last axle left it"},
+              6);
+}
+
+/// Ten times the axles, by the law, with the ratio that the bays have shown.
+void add_extrapolation(Report& summary, const TrackRun& given, const CoupledHistory& history,
+                       double ratio, const Common& common) {
+    const StretchState &last = history.states.back(),
+                       &half = history.states[history.states.size() / 2];
+    const double power =
+        std::log(last.settled / half.settled) / std::log(last.cycles / half.cycles);
+    if (!(ratio > 0) || !(power > 0) || !std::isfinite(power)) return;
+    SettlementLaw law = given.law;
+    law.ratio = ratio;
+    const double settled = last.settled * std::pow(10, power);
+    summary.add("settlement_of_good_track_after_ten_times_the_axles_mm", 1e3 * settled);
+    add_last(summary, given.stretch, settle_tracks(given, law, {settled}, common),
+             "_after_ten_times_the_axles");
+}
+
+void run_bays(const TrackRun& given, const Common& common) {
+    const CoupledTrack track = given.coupled();
+    const CoupledHistory history = couple_bays(track, common, {"cycles", "tracks"});
+    const std::vector<History> all{history.states};
+    const double ratio = ratio_of_bays(track, history);
+    Report summary;
+    summary.add("axles", given.cycles);
+    summary.add("settlement_of_good_track_mm", 1e3 * history.states.back().settled);
+    summary.show({"settlement_of_good_track_mm"});
+    if (given.stretch.mud_ties > 0) {
+        summary.add("ratio_of_mud_over_good_bays", ratio);
+        summary.show({"ratio_of_mud_over_good_bays"});
+    }
+    add_last(summary, given.stretch, all);
+    add_extrapolation(summary, given, history, ratio, common);
+    summary.show_sentence(fmt::format(
+        "One stretch with {} bays of ballast, of which {} are mud: other packings differ. What "
+        "comes after ten times the axles follows from the law with the ratio of these bays, and "
+        "its bands from {} stretches with scatter.",
+        given.bays, given.stretch.mud_ties, given.tracks));
+    write_ties(common.out / "ties.csv", given.stretch, all);
+    write_bays(common.out / "bays.csv", given.stretch, history);
+    draw(common.out / "track.png", given.stretch, all);
+    report_results(common, summary);
+}
+
+void run(const TrackRun& given, const Common& common) {
+    if (given.bays > 0) return run_bays(given, common);
+    std::vector<double> settlements;
+    for (unsigned k = 1; k <= given.records; ++k)
+        settlements.push_back(given.settlement * k / given.records);
+    const std::vector<History> all = settle_tracks(given, given.law, settlements, common);
     Report summary;
     summary.add("settlement_of_good_track_mm", 1e3 * given.settlement);
     summary.show({"settlement_of_good_track_mm"});
-    for (const Quantity& q : quantities_of(t)) {
-        const Band band = band_over(all, given.records - 1, q.of);
-        const std::string unit = q.key.ends_with("_mm") ? "_mm" : "";
-        const std::string name = q.key.substr(0, q.key.size() - unit.size());
-        summary.add(q.key, band.median);
-        summary.add(name + "_low" + unit, band.low);
-        summary.add(name + "_high" + unit, band.high);
-        summary.show({q.key});
-    }
+    add_last(summary, given.stretch, all);
     summary.show_sentence(fmt::format(
         "Bands hold 95 % of {} stretches. No ballast was computed: the ratio of settlements, {:g}, "
         "is assumed, and nothing is said of the time that the track needs.",
-        given.tracks, t.ratio));
-    write_ties(common.out / "ties.csv", t, all);
-    draw(common.out / "track.png", t, all);
+        given.tracks, given.law.ratio));
+    write_ties(common.out / "ties.csv", given.stretch, all);
+    draw(common.out / "track.png", given.stretch, all);
     report_results(common, summary);
+}
+
+void check(const TrackRun& given, const Common& common) {
+    const StretchSettings& t = given.stretch;
+    require(
+        t.mud_ties <= t.ties,
+        fmt::format("--mud-ties: expected at most the {} of --ties, found {}", t.ties, t.mud_ties));
+    if (given.bays > 0) return check_coupled(given.coupled());
+    require(common.resume.empty(),
+            "--resume: expected none without --bays, since a stretch then settles in seconds");
 }
 
 } // namespace
@@ -236,7 +355,7 @@ int main(int argc, char** argv) {
         argc, argv,
         {.name = "track",
          .description = "A stretch of track with a mud spot settles: gaps and loads of its ties.",
-         .cannot_resume = "a stretch settles in seconds",
-         .cannot_explain = "it has no time steps"},
-        run);
+         .cannot_explain = "its worlds are those of the bays: see ballast_box --explain",
+         .makes_beds = true},
+        check, run, [](const TrackRun&, const Common&) { return std::string(); });
 }

@@ -201,7 +201,7 @@ void run(const TrackPassage& t, const Common& common) {
     run.keep(samples);
     run.keep(last);
     // the finished bed serves any train and state
-    std::vector<std::string_view> after_bed = settings_of_state(common);
+    std::vector<std::string_view> after_bed = settings_of_state(t.box, common);
     after_bed.insert(after_bed.end(),
                      {"passages", "train", "speed_m_per_s", "gap_m", "restitution", "step_fraction",
                       "sensor_density_kg_per_m3", "sensor_friction"});

@@ -114,7 +114,7 @@ std::vector<Phase> BoxTestRun::seating() const {
 
 std::vector<Phase> BoxTestRun::changes_in_use() const {
     std::vector<Phase> phases;
-    if (is_fouled()) phases.push_back(foul_track());
+    if (is_fouled() || is_wet()) phases.push_back(foul_track());
     if (!box_test(box_.run).confined) phases.push_back(remove_shoulder());
     return phases;
 }
@@ -138,7 +138,7 @@ std::uint64_t BoxTestRun::steps_per_cycle() const {
 }
 
 void BoxTestRun::begin_real_time(World& world) const {
-    set_materials(world);
+    set_materials(world, {.friction = friction_of_stones(world)});
     if (box_.is_dynamic())
         world.resource<Clock>().change_step(box_.step_fraction * stable_step(world));
     note_beginning(world);

@@ -52,6 +52,7 @@ private:
     Phase foul_track() const;
     Phase remove_shoulder() const;
     bool is_fouled() const { return fouling_of(box_).any(); }
+    bool is_wet() const { return box_test(box_.run).wet; }
 
     /// Ends the scaling of masses with which the bed is made.
     void take_true_masses(World& world) const;
@@ -77,6 +78,8 @@ private:
     std::uint64_t ramp_steps() const; ///< of the load when the ties are seated
     void place_ties(Simulation& simulation) const;
     void foul(Simulation& simulation) const;
+    void mix_fines(Simulation& simulation) const; ///< before a lift is compacted
+    static void wet_stones(World& world);
 
     /// Materials, time step and recordings of the loaded box.
     void begin_real_time(World& world) const;
@@ -113,6 +116,8 @@ double since(const World& world);
 void note_beginning(World& world);
 /// Time step over the stable step while the bed is made.
 inline constexpr double making_fraction = 0.7;
+/// Factor on the friction of stones, by water.
+double friction_of_stones(const World& world);
 /// Follows the stable step of the contacts, which must be known, up to `longest` (s).
 void adapt_step(World& world, double longest);
 /// Raises scaled masses where contacts need it for the present time step.

@@ -238,7 +238,9 @@ World make_box_world(const BallastBox& box, std::uint64_t seed) {
     World world = make_world(Grains::clumps);
     BoxBodies bodies;
     auto& materials = world.resource<Materials>();
-    Material rock = read_rock_material(box.material).material("rock");
+    const RockMaterial stone = read_rock_material(box.material);
+    bodies.wet_friction = 1 - stone.wet_friction_loss;
+    Material rock = stone.material("rock");
     rock.friction *= box.friction_factor;
     rock.normal_stiffness *= box.stiffness_factor;
     rock.shear_stiffness *= box.stiffness_factor;

@@ -1,17 +1,13 @@
 #pragma once
 
 #include "engine/archive.hpp"
-#include "engine/errors.hpp"
 #include "engine/world.hpp"
 #include "scenarios/ballast_box/box_settings.hpp"
 #include "scenarios/rocks/grading.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 namespace bris {
@@ -49,6 +45,7 @@ struct BoxBodies {
     std::uint32_t rock = 0,
                   shell = 0;       ///< materials of rocks and, in a bay another, of sensor rocks
     std::vector<Material> hard;    ///< materials at full stiffness
+    double wet_friction = 1;       ///< factor on the friction of wet stones
     double solid_volume = 0;       ///< m3, of all rocks
     double truncated_fraction = 0; ///< mass fraction of the grading that is left out
 };
@@ -71,22 +68,15 @@ struct BoxState {
     /// N, m: support and height of the tie below the last axle of a train; 0: it has not come yet.
     double pressed_support = 0, pressed_height = 0;
     double bed_stiffness = 0; ///< N/m, of a whole tie, as the last train found it; 0: unknown
+    double wet = 0;           ///< 1: the stones are
     static auto fields(auto& s) {
         return std::tie(s.stage, s.began, s.friction, s.calm, s.surface[0], s.surface[1],
                         s.surface[2], s.porosity[0], s.porosity[1], s.porosity[2], s.bed_porosity,
                         s.tie_1, s.tie_2, s.bladder, s.seat_ratio, s.seat_support,
-                        s.pressed_support, s.pressed_height, s.bed_stiffness);
+                        s.pressed_support, s.pressed_height, s.bed_stiffness, s.wet);
     }
     void save(Archive& archive) const { put_fields(archive, "box", fields(*this)); }
-    void load(const Archive& archive) {
-        constexpr auto expected = std::tuple_size_v<decltype(fields(std::declval<BoxState&>()))>;
-        const std::size_t found = archive.get<double>("box").size();
-        require(found == expected,
-                fmt::format("box: expected {} numbers, found {}: this checkpoint is of another "
-                            "version of BRIS",
-                            expected, found));
-        get_fields(archive, "box", fields(*this));
-    }
+    void load(const Archive& archive) { get_fields(archive, "box", fields(*this)); }
 };
 
 /// Makes the world of a box: subgrade, sides, bladder, compaction plate, ties, sensor rocks, and

@@ -43,7 +43,7 @@ BoxSizes whole_box(unsigned ties) {
 FoulingOptions fouling_of(const BallastBox& box) {
     constexpr double p4 = 17, p200 = 3, wet = 0.9; // %, %, saturation
     const BoxTest& test = box_test(box.run);
-    FoulingOptions fouling = box.fouling;
+    FoulingOptions fouling = of_kind(box.fouling);
     if (!test.fouled) return fouling;
     if (fouling.file.empty() && fouling.p4 == 0) {
         fouling.p4 = p4;

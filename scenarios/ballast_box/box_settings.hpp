@@ -37,6 +37,7 @@ struct BallastBox {
     std::string imu = "smartrock-like";
     double sampling_rate = 500;
     FoulingOptions fouling = {.settings = {.voxel = 0.01}};
+    std::string fines = "mixed"; ///< in; how they come into the bed
     WriteOption written = {};
 
     void declare_options(auto& option);
@@ -50,6 +51,8 @@ struct BallastBox {
     bool is_dynamic() const { return model == "dynamic" || is_full() || is_bay(); }
     bool is_full() const { return model == "full"; }
     bool is_bay() const { return model == "bay"; }
+    /// Fines lie in each lift before it is compacted. A track in use is fouled when it is made.
+    bool is_mixed() const { return fines == "mixed" && !is_bay(); }
     // settings with the default of 0 that a run or a model determines
     double peak() const { return peak_load > 0 ? peak_load : box_test(run).peak_load; }
     double least() const { return least_load * peak(); }
@@ -153,6 +156,10 @@ void BallastBox::declare_options(auto& option) {
            "the full one.",
            within(0, 4));
     declare_ballast_options(option);
+    option("fines", fines, "",
+           "mixed: fines and water lie in each lift before its compaction. filled: they come into "
+           "the voids of the finished bed, so that states can be compared over one packing.",
+           {"mixed", "filled"});
     option.group("Track");
     declare_track_options(option);
     option("series_compliance", series_compliance, "m/N",

@@ -9,6 +9,7 @@
 #include "scenarios/specimens/true_masses.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/contact/stable_step.hpp"
+#include "systems/fields/fouling.hpp"
 #include "systems/output/porosity.hpp"
 #include "systems/output/quantities.hpp"
 
@@ -104,6 +105,7 @@ Phase BoxTestRun::pour(std::size_t course) const {
                     note_beginning(s.world());
                     if (course == 1) place_bladder(s.world(), sizes_);
                     if (course > 0) add_course(s.world(), course, seed_);
+                    if (s.world().has_resource<Fouling>()) add_fouled_bodies(s.world());
                     pour_course(s.world(), sizes_, course, seed_);
                     s.world().resource<Clock>().change_step(scale_rocks(s.world(), 0));
                 }};
@@ -229,7 +231,11 @@ Phase BoxTestRun::compact(std::size_t course) const {
                                          fmt::format("porosity {:.4f}, friction {:.2f}",
                                                      state.porosity[lift], state.friction)};
                 },
-            .begin = [this, lift](Simulation& s) { begin_compaction(s.world(), lift); }};
+            .begin =
+                [this, lift](Simulation& s) {
+                    if (box_.is_mixed() && is_fouled()) mix_fines(s);
+                    begin_compaction(s.world(), lift);
+                }};
 }
 
 Phase save_bed(const Run& run, const std::function<void()>& saved) {

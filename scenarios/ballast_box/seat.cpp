@@ -105,18 +105,41 @@ void BoxTestRun::scale_tie(World& world, EntityId tie) const {
     value_of<InertialInertia>(world, tie) = ratio * inertia;
 }
 
-// fines and water lie in the voids of the finished bed
+// Fines and water lie in the voids of the present rocks: of each lift before its compaction, as far
+// as the bed was mixed, and in any case of the finished bed, whose masses are the true ones.
 void BoxTestRun::foul(Simulation& simulation) const {
     World& world = simulation.world();
     const FoulingOptions fouling = fouling_of(box_);
-    add_fields(simulation, box_);
+    if (!world.has_resource<Fouling>()) add_fields(simulation, box_);
     auto& fields = world.resource<Fouling>();
+    fields.settings.refresh = fouling.settings.refresh;
     const Vec3& bladder = value_of<Position>(world, world.resource<BoxBodies>().bladder);
     const double half = 0.5 * (sizes_.bladder_top - sizes_.bladder_low);
     if (box_test(box_.run).confined)
         fields.blocked = {{Vec3(-1, bladder.y() - sizes_.bladder_depth / 2, bladder.z() - half),
                            Vec3(sizes_.width + 1, sizes_.across, bladder.z() + half)}};
     fill_with_fines(world, fouling, seed_);
+}
+
+double friction_of_stones(const World& world) {
+    return world.resource<BoxState>().wet > 0 ? world.resource<BoxBodies>().wet_friction : 1;
+}
+
+// while rocks are pressed together and poured, fines need not follow each of their moves
+void BoxTestRun::mix_fines(Simulation& simulation) const {
+    constexpr double never = 1e6; // voxels
+    foul(simulation);
+    simulation.world().resource<Fouling>().settings.refresh = never;
+}
+
+// the dashpots stay as they are
+void BoxTestRun::wet_stones(World& world) {
+    world.resource<BoxState>().wet = 1;
+    auto& materials = world.resource<Materials>();
+    const auto& hard = world.resource<BoxBodies>().hard;
+    for (std::size_t k = 0; k < hard.size(); ++k)
+        materials.list[k].friction = hard[k].friction * friction_of_stones(world);
+    materials.mix();
 }
 
 void add_fields(Simulation& simulation, const BallastBox& box) {
@@ -130,6 +153,7 @@ void add_fields(Simulation& simulation, const BallastBox& box) {
 // the ties are laid on the ballast and loaded as at the beginning of the cycles
 void BoxTestRun::place_ties(Simulation& s) const {
     World& world = s.world();
+    if (is_wet() && !box_.is_bay()) wet_stones(world); // a track in use is fouled when it is made
     const auto& ties = world.resource<BoxBodies>().ties;
     for (std::size_t k = 0; k < ties.size(); ++k) {
         const Vec3 half = 0.5 * sizes_.tie;
@@ -167,7 +191,12 @@ Phase BoxTestRun::foul_bed() const {
 Phase BoxTestRun::foul_track() const {
     constexpr std::uint64_t least = 1000; // steps, within which weaker contacts begin to slide
     return until_rest(
-        "foul the track", least, [this](Simulation& s) { foul(s); }, nullptr);
+        "foul the track", least,
+        [this](Simulation& s) {
+            if (is_fouled()) foul(s);
+            if (is_wet()) wet_stones(s.world());
+        },
+        nullptr);
 }
 
 Phase BoxTestRun::seat() const {

@@ -25,8 +25,10 @@ std::string explain_box(const BallastBox& box, const Common& common) {
     return simulation.schedule().explain();
 }
 
-std::vector<std::string_view> settings_of_state(const Common& common) {
-    std::vector<std::string_view> keys{"run", "saturation"};
+std::vector<std::string_view> settings_of_state(const BallastBox& box, const Common& common) {
+    std::vector<std::string_view> keys;
+    if (box.is_mixed() && fouling_of(box).any()) return keys; // the bed has them
+    keys = {"run", "saturation", "fines"};
     for (const NamedValue& setting : common.settings)
         if (setting.key.starts_with("fouling_")) keys.push_back(setting.key);
     return keys;
@@ -44,7 +46,7 @@ void resume_box(Run& run, Simulation& simulation, const BallastBox& box, const C
 namespace {
 
 constexpr auto bed_file = "bed.ckpt.h5";
-constexpr auto kind_of_bed = "bed_2"; // 1: without the stiffness of the bed, the rails as Winkler's
+constexpr auto kind_of_bed = "bed_3"; // 2: without wet stones, 1: nor the stiffness of the bed
 
 } // namespace
 

@@ -20,8 +20,8 @@ Simulation make_box_simulation(const BallastBox& box, const Common& common);
 std::string explain_box(const BallastBox& box, const Common& common);
 
 /// Settings of the state that a finished bed of a box is brought to: the run of table 1, fines and
-/// water. They refer to `common`.
-std::vector<std::string_view> settings_of_state(const Common& common);
+/// water. None if its bed is mixed with them. They refer to `common`.
+std::vector<std::string_view> settings_of_state(const BallastBox& box, const Common& common);
 
 /// Continues a run from --resume; does nothing without it. Settings in `may_differ` may have
 /// changed. Fields are added where the checkpoint has them. Throws InputError, OutputError.

@@ -99,15 +99,14 @@ Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& trai
                 }};
 }
 
-/// The tie is seated under the weight of the rails alone.
+} // namespace
+
 BallastBox seated_by_rails(BallastBox box) {
     require(box.model == "settlement", "slice of track: expected the settlement model of the box");
     box.peak_load = 100 * dead_load; // any; the trains' loads are their own
     box.least_load = 0.01;
     return box;
 }
-
-} // namespace
 
 void PassageRecord::save(Archive& archive) const {
     std::vector<double> numbers;

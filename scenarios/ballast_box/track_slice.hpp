@@ -48,6 +48,10 @@ struct TrackSlice {
     }
 };
 
+/// The settings of a box of that model whose tie is seated under the weight of the rails alone.
+/// Throws InputError for another model.
+BallastBox seated_by_rails(BallastBox box);
+
 /// Makes the bed of a slice, seats its tie under the weight of the rails, lets the trains pass one
 /// after the other, and saves a checkpoint NAME.ckpt.h5 in the folder of `common` at the end and
 /// when one is due. With `from`, the checkpoint of a run of the same bed whose passages are the

@@ -148,7 +148,7 @@ Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
     const auto smooth = materials.add(steel);
     Material grain = rock;
     grain.name = "fines";
-    grain.density = box.fouling.settings.density;
+    grain.density = of_kind(box.fouling).settings.density;
     grain.friction = box.fines_friction;
     materials.add(grain);
     add_rock_bed(world,
@@ -175,7 +175,7 @@ Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
 
 void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& test,
                std::uint64_t seed, bool fill) {
-    FoulingOptions fouling = box.fouling;
+    FoulingOptions fouling = of_kind(box.fouling);
     World& world = simulation.world();
     const double voids = voids_of(world, box);
     const Vec3 half(0.5 * box.length, 0.5 * box.width, 0),
@@ -208,7 +208,7 @@ double contaminant_index(const World& world, const ShearBox& box) {
         return measure_fouling(world, present_fouling(world)).contaminant_index;
     const auto count = static_cast<double>(grains_in(world));
     return 100 * count * pi / 6 * std::pow(box.fines_size, 3) *
-           (1 + box.fouling.settings.void_ratio) / voids_of(world, box);
+           (1 + of_kind(box.fouling).settings.void_ratio) / voids_of(world, box);
 }
 
 } // namespace bris

@@ -16,6 +16,7 @@ struct FoulingOptions {
     double low = 0, high = 0.3;
     double saturation = 0;
     std::filesystem::path file = {};
+    std::string kind = "assumed"; ///< of fines; others than assumed replace settings and law
     FoulingSettings settings = {};
     FoulingLaw law = {};
 
@@ -27,6 +28,8 @@ struct FoulingOptions {
 /// FoulingOptions::p4 (%) of fines that fill `vci` (%, void contaminant index) of the voids (m3)
 /// in place, beside ballast of this mass (kg).
 double p4_of_vci(double vci, const FoulingSettings& settings, double ballast, double voids);
+/// With the settings and the law of its kind of fines. Throws InputError if they are stated too.
+FoulingOptions of_kind(FoulingOptions options);
 /// Throws InputError if options contradict each other.
 void check_fouling(const FoulingOptions& options);
 /// Adds the fields to a world before its State is loaded, or empty (add_fouling).
@@ -59,6 +62,11 @@ void FoulingOptions::declare_options(auto& option) {
            "Share of the voids left by the fines that water fills. It acts only where there are "
            "fines.",
            within(0, 1));
+    option("fouling_kind", kind, "",
+           "Fines: assumed, by the options below. mineral (dust of the ballast), clay and coal "
+           "state density, void ratio, friction and cushions themselves, with sources, and take "
+           "none of those options.",
+           {"assumed", "mineral", "clay", "coal"});
     option("fouling_voxel", settings.voxel, "m", "Edge of the voxels of the fields.",
            within(1e-4, 1));
     option("fouling_density", settings.density, "kg/m3", "Density of the particles of the fines.",
@@ -80,6 +88,12 @@ void FoulingOptions::declare_options(auto& option) {
            "Loss of normal and tangential stiffness by fines, b_f of 1 - b_f g. An assumption, not "
            "fitted to tests.",
            within(0, 0.99));
+    option("fouling_dry_cushion", law.dry_cushion, "",
+           "Stiffness of a contact over that of the film of dry fines in it: stiffness is divided "
+           "by 1 + c g.",
+           within(0, 1000));
+    option("fouling_wet_cushion", law.wet_cushion, "", "The same of saturated fines.",
+           within(0, 1000));
     option("fouling_half_effect", law.half_effect, "",
            "Void contaminant index, as a fraction, at which g is 1/2 (c).", within(1e-3, 1e3));
     option("fouling_least_friction", law.least_friction, "",

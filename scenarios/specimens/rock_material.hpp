@@ -15,6 +15,7 @@ struct RockMaterial {
     double shear_stiffness = 6.3e7;  ///< N/m, of one partner
     double friction = 0.6;
     double restitution = 0.5;
+    double wet_friction_loss = 0; ///< share of the friction that wet stones lose, without fines
 
     void declare_options(auto& option) {
         option("density", density, "kg/m3", "Density of the solid.", above(0, 1e5));
@@ -25,6 +26,8 @@ struct RockMaterial {
         option("friction", friction, "", "Coefficient of friction, rock on rock.", within(0, 10));
         option("restitution", restitution, "", "Coefficient of restitution, rock on rock.",
                above(0, 1));
+        option("wet_friction_loss", wet_friction_loss, "",
+               "Share of the friction that wet stones lose, without fines.", within(0, 0.9));
     }
     Material material(const std::string& name) const;
 };

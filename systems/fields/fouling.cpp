@@ -107,10 +107,13 @@ void check(const FoulingSettings& s) {
     expect(s.check_every > 0, "1 step or more between checks", s.check_every);
 }
 
-/// Throws InputError if a rock lies outside the space of the fields.
-void require_covered(const BodySpheres& bodies, const Box3& bounds) {
+/// Throws InputError if a rock lies outside the space of the fields and does not wait there.
+void require_covered(const World& world, const BodySpheres& bodies, const Box3& bounds) {
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    const auto motion = world.column<Bodies, MotionOf>();
     for (std::size_t b = 0; b < bodies.bodies(); ++b) {
-        if (!bodies.has_spheres(b)) continue;
+        const bool waits = motion[rows[b]] == static_cast<std::uint32_t>(Motion::fixed);
+        if (!bodies.has_spheres(b) || waits) continue;
         const Vec3& x = bodies.pose[b].position;
         require((x.array() >= bounds.low.array()).all() && (x.array() <= bounds.high.array()).all(),
                 fmt::format("fields: expected a space that covers all rocks, found body {} at "
@@ -138,17 +141,23 @@ void add_fouling(World& world, const FoulingSettings& settings, const FoulingLaw
     fouled.add<FouledBodyId>();
     fouled.add<FoulingAround>();
     fouled.add<SampledPose>();
-    fouled.resize(world.table<Bodies>().size());
-    for (EntityId id = 0; id < fouled.size(); ++id) fouled.column<FouledBodyId>()[id] = id;
+    add_fouled_bodies(world);
     world.add_resource(law);
     world.add_resource(Weakening{});
     world.add_resource(std::move(f));
 }
 
+void add_fouled_bodies(World& world) {
+    Table& fouled = world.table<FouledBodies>();
+    auto id = static_cast<EntityId>(fouled.size());
+    fouled.resize(world.table<Bodies>().size());
+    for (; id < fouled.size(); ++id) fouled.column<FouledBodyId>()[id] = id;
+}
+
 void prepare_voids(World& world) {
     auto& f = world.resource<Fouling>();
     const BodySpheres bodies = spheres_of_bodies(world);
-    require_covered(bodies, Container(world, f.box).bounds());
+    require_covered(world, bodies, Container(world, f.box).bounds());
     measure_voids(world, f, bodies);
 }
 

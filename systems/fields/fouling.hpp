@@ -70,8 +70,10 @@ Box3 unbounded();
 /// planes and membrane. Throws InputError if settings are out of range.
 void add_fouling(World& world, const FoulingSettings& settings, const FoulingLaw& law = {},
                  const Box3& box = unbounded());
+/// Adds the bodies that came since to the table of fouled bodies.
+void add_fouled_bodies(World& world);
 /// Measures the voids of the present rocks. Throws InputError if planes, membrane and box do not
-/// bound the space, or if a rock lies outside it.
+/// bound the space, or if a rock lies outside it that is not fixed there, where it waits.
 void prepare_voids(World& world);
 
 /// Whether the fields must be brought up to date in this step: rocks have moved, or fines and water

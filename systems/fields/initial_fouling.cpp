@@ -18,18 +18,22 @@ namespace bris {
 
 namespace {
 
-/// Lowest and highest point of the rocks (m), and their mass (kg).
+/// Lowest and highest point of the rocks in the space of the fields (m), and their mass (kg).
 struct Ballast {
     double low = std::numeric_limits<double>::infinity(), high = -low, mass = 0;
     Box3 box{Vec3::Constant(low), Vec3::Constant(high)};
 };
 
 Ballast ballast_of(const World& world) {
+    const Box3& space = world.resource<Fouling>().region;
     const BodySpheres bodies = spheres_of_bodies(world);
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     Ballast all;
     for (std::size_t b = 0; b < rows.size(); ++b) {
-        if (!bodies.has_spheres(b)) continue;
+        const Vec3& x = bodies.pose[b].position;
+        if (!bodies.has_spheres(b) || (x.array() < space.low.array()).any() ||
+            (x.array() > space.high.array()).any())
+            continue;
         all.box.low = all.box.low.cwiseMin(bodies.box[b].low);
         all.box.high = all.box.high.cwiseMax(bodies.box[b].high);
         all.mass += world.column<Bodies, Mass>()[rows[b]];

@@ -199,7 +199,7 @@ TEST_SUITE("ballast_box") {
         older.put("box", std::span<const double>(numbers));
         CHECK(refusal_of([&] {
                   BoxState().load(older);
-              }).starts_with("box: expected 19 numbers, found 16"));
+              }).starts_with("box: expected 20 numbers, found 17"));
     }
 
     TEST_CASE("cycles are evaluated at their least load: settlement, rebound, stiffness and loop") {

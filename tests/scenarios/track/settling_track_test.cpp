@@ -18,7 +18,8 @@ namespace {
 
 /// Without scatter, with heavy axles.
 SettlingTrack track_with(unsigned mud_ties, double ratio) {
-    return {.mud_ties = mud_ties, .ratio = ratio, .scatter = 0, .axle_load = 316e3};
+    return {.stretch = {.mud_ties = mud_ties, .axle_load = 316e3},
+            .law = {.ratio = ratio, .scatter = 0}};
 }
 
 StretchState settled(const SettlingTrack& track, double by, std::uint64_t number = 1) {
@@ -44,7 +45,7 @@ TEST_SUITE("track/settling_track") {
         "a bad tie sinks until it settles no faster than the others: it carries r^(-1/m) of an "
         "even track's load, and less and less is missing of it") {
         const SettlingTrack track = track_with(1, 4);
-        const std::size_t middle = track.ties / 2;
+        const std::size_t middle = track.stretch.ties / 2;
         const double steady = std::pow(4, -1 / 2.5); // 0.574
         const auto states = settle_track(track, {2e-3, 10e-3, 50e-3}, 1);
         double before = 1;
@@ -56,7 +57,7 @@ TEST_SUITE("track/settling_track") {
         }
         // the trough widens slowly, but not where all beyond the next ties stay level
         SettlingTrack narrow = track;
-        narrow.ties = 5;
+        narrow.stretch.ties = 5;
         const StretchState last = settled(narrow, 0.1);
         CHECK(last.loads[2] == about(steady).epsilon(0.002));
         CHECK(last.loads[1] == about(1).epsilon(0.002));
@@ -70,7 +71,7 @@ TEST_SUITE("track/settling_track") {
         // 1.4, 1.9 and 2.5 mm after 1, 2 and 4 mm; the mud tie carries 0.7, the first good one 1.2
         const SettlingTrack track = track_with(3, 4);
         const auto states = settle_track(track, {1e-3, 2e-3, 4e-3}, 1);
-        const std::size_t middle = track.ties / 2;
+        const std::size_t middle = track.stretch.ties / 2;
         for (const StretchState& s : states)
             MESSAGE("void ", 1e3 * s.voids[middle], " mm, loads ", s.loads[middle], " and ",
                     s.loads[middle - 2]);
@@ -96,7 +97,7 @@ TEST_SUITE("track/settling_track") {
 
     TEST_CASE("without mud the scatter of settlement alone makes more than half of the ties hang") {
         SettlingTrack track = track_with(0, 1);
-        track.scatter = 0.5;
+        track.law.scatter = 0.5;
         double hanging = 0, ties = 0;
         std::vector<double> voids;
         for (std::uint64_t number = 0; number < 10; ++number) {
@@ -127,7 +128,7 @@ TEST_SUITE("track/settling_track") {
         CHECK(dip_over_chord(profile, spacing, 10) == about(curvature * 100 / 8));
         CHECK(std::isnan(dip_over_chord(profile, spacing, 31)));
         CHECK(refusal_of([] {
-                  (void)settle_track({.ties = 3, .mud_ties = 5}, {1e-3}, 1);
+                  (void)settle_track({.stretch = {.ties = 3, .mud_ties = 5}}, {1e-3}, 1);
               }).starts_with("track: expected at most"));
     }
 }

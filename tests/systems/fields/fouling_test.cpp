@@ -179,6 +179,21 @@ TEST_SUITE("fields/fouling") {
         }
     }
 
+    TEST_CASE("a film of fines is in series with the contact, and water softens it") {
+        const FoulingLaw law{.stiffness_loss = 0, .dry_cushion = 2, .wet_cushion = 8};
+        const auto factor = [&](double vci, double wet) {
+            return law.stiffness_factor({vci, wet});
+        };
+        CHECK(factor(0, 1) == 1);
+        CHECK(factor(0.5, 0) == doctest::Approx(1 / (1 + 0.5 * 2.0)));
+        CHECK(factor(0.5, 1) == doctest::Approx(1 / (1 + 0.5 * 8.0)));
+        CHECK(factor(0.5, 0.5) == doctest::Approx(1 / (1 + 0.5 * 5.0)));
+        // very soft fines: the contact has the stiffness of the film
+        CHECK(FoulingLaw{.stiffness_loss = 0, .dry_cushion = 1e6}.stiffness_factor({1e6, 0}) ==
+              doctest::Approx(1e-6).epsilon(1e-5));
+        CHECK(FoulingLaw{}.stiffness_factor({0.5, 1}) == 0.75);
+    }
+
     TEST_CASE("friction and stiffness keep their lower limits, and friction without fines below") {
         Materials materials;
         materials.add({"rock", 2650, 1e6, 1e6, 0.7});
