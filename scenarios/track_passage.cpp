@@ -10,6 +10,7 @@
 #include "engine/run.hpp"
 #include "engine/signal/spectrum.hpp"
 #include "scenarios/ballast_box/draw_box.hpp"
+#include "scenarios/ballast_box/load_band.hpp"
 #include "scenarios/ballast_box/passages.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/monitoring/passage.hpp"
@@ -53,9 +54,10 @@ Spectrum spectrum_of(const Vibration& vertical) {
 }
 
 /// Levels of a sensor in the last passage; `prefix` tells who recorded. The mean of the first tenth
-/// of a second is the level at rest: the first axle is still far away.
+/// of a second is the level at rest: the first axle is still far away. The level is taken apart at
+/// `load_band` (Hz, bris::load_band).
 void add_sensor(Report& summary, const std::string& prefix, const std::string& name,
-                const Recording& recording) {
+                const Recording& recording, double load_band) {
     const Vibration vertical = vibration_of(recording, VibrationQuantity::vertical, 0.1);
     require(vertical.impossible_because.empty(), vertical.impossible_because);
     double peak = 0;
@@ -69,6 +71,11 @@ void add_sensor(Report& summary, const std::string& prefix, const std::string& n
                     vibration_of(recording, rate, 0.1).rms);
     const Spectrum spectrum = spectrum_of(vertical);
     if (spectrum.density.empty()) return;
+    summary.add(prefix + "vertical_rms_following_load_" + name + "_m_per_s2",
+                std::sqrt(band_power(spectrum, 0, load_band)));
+    summary.add(prefix + "vertical_rms_of_rest_" + name + "_m_per_s2",
+                std::sqrt(band_power(spectrum, load_band + spectrum.spacing,
+                                     spectrum.frequency(spectrum.density.size()))));
     for (const auto& [low, high] : {std::pair{1, 5}, {5, 20}, {20, 80}})
         summary.add(
             fmt::format("{}vertical_power_{}_to_{}_Hz_{}_m2_per_s4", prefix, low, high, name),
@@ -172,10 +179,12 @@ void summarise(Report& summary, const TrackPassage& t, const Train& train,
     }
     const auto& sensors = world.resource<BoxBodies>().sensors;
     const std::vector<Recording> exact = recordings_of(world, &InertialRecorder::exact);
+    const double band = load_band(t.train_speed(), t.rails(world));
+    summary.add("vibration_follows_load_up_to_Hz", band);
     for (std::size_t k = 0; k < sensors.size(); ++k) {
-        add_sensor(summary, "", sensors[k].name, recordings[k]);
+        add_sensor(summary, "", sensors[k].name, recordings[k], band);
         summary.show({fmt::format("vertical_rms_{}_m_per_s2", sensors[k].name)});
-        add_sensor(summary, "exact_", sensors[k].name, exact[k]);
+        add_sensor(summary, "exact_", sensors[k].name, exact[k], band);
         summary.add(fmt::format("height_{}_m", sensors[k].name),
                     world.column<Bodies, Position>()[row_of_body(world, sensors[k].body)].z());
     }
