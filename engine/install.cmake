@@ -27,9 +27,7 @@ function(install_programs)
   install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/bris/assets COMPONENT programs
     PATTERN pictures EXCLUDE)
   if(TARGET bris)                        # the one command on the PATH
-    file(RELATIVE_PATH program ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBEXECDIR}/bris/bris)
-    file(CREATE_LINK ${program} ${PROJECT_BINARY_DIR}/command/bris SYMBOLIC)
-    install(FILES ${PROJECT_BINARY_DIR}/command/bris DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+    install(TARGETS bris RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
   endif()
 endfunction()
 
