@@ -22,10 +22,12 @@ fs::path& given_folder() {
 fs::path folder_beside_program() {
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error);
-    const fs::path beside = program.parent_path() / "assets",
-                   shared = program.parent_path() / "../share/bris/assets";
-    const bool is_shared = !fs::exists(beside, error) && fs::exists(shared, error);
-    return fs::weakly_canonical(is_shared ? shared : beside, error);
+    const fs::path folder = program.parent_path(), beside = folder / "assets";
+    if (!fs::exists(beside, error)) // of PREFIX/bin, and of PREFIX/libexec/bris
+        for (const char* shared : {"../share/bris/assets", "../../share/bris/assets"})
+            if (fs::exists(folder / shared, error))
+                return fs::weakly_canonical(folder / shared, error);
+    return fs::weakly_canonical(beside, error);
 }
 
 /// Names of the files of one kind, without their ending.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "engine/lane_count.hpp"
+
 #include <array>
 #include <bit>
 #include <cmath>
@@ -13,15 +15,11 @@
 
 namespace bris {
 
+inline namespace BRIS_LANES {
+
 // SIMD vectors by the compiler's vector extension: one source for SSE2, AVX2, AVX-512 and Arm. Only
 // IEEE operations are used and none is fused, so every instruction set gives the same bits in every
 // lane.
-
-#ifdef __AVX512F__
-inline constexpr int lane_count = 8;
-#else
-inline constexpr int lane_count = 4;
-#endif
 
 /// One number for each of `lane_count` contacts or bodies.
 using Lane [[gnu::vector_size(sizeof(double) * lane_count)]] = double;
@@ -129,7 +127,7 @@ inline void store(double* row, Quad value) { std::memcpy(row, &value, sizeof val
 /// Rows of four numbers, one row per lane, as four Lanes, and the reverse (by the same shuffles).
 using FourLanes = std::array<Lane, 4>;
 
-namespace detail {
+namespace shuffles {
 
 #ifdef __AVX512F__
 inline Lane join(Quad a, Quad b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
@@ -148,7 +146,7 @@ inline Lane low(Lane a, Lane b) { return __builtin_shufflevector(a, b, 0, 1, 4, 
 inline Lane high(Lane a, Lane b) { return __builtin_shufflevector(a, b, 2, 3, 6, 7); }
 #endif
 
-} // namespace detail
+} // namespace shuffles
 
 /// Loads row_of(q) into entry q; with 8 lanes, rows q and q + 4 side by side.
 template <class RowOf>
@@ -156,7 +154,7 @@ FourLanes load_rows(RowOf&& row_of) {
     FourLanes rows;
     for (int q = 0; q < 4; ++q) {
 #ifdef __AVX512F__
-        rows[static_cast<std::size_t>(q)] = detail::join(load(row_of(q)), load(row_of(q + 4)));
+        rows[static_cast<std::size_t>(q)] = shuffles::join(load(row_of(q)), load(row_of(q + 4)));
 #else
         rows[static_cast<std::size_t>(q)] = load(row_of(q));
 #endif
@@ -167,7 +165,7 @@ FourLanes load_rows(RowOf&& row_of) {
 /// The same four numbers for each of the rows that load_rows places side by side.
 inline Lane in_each_row(Quad a) {
 #ifdef __AVX512F__
-    return detail::join(a, a);
+    return shuffles::join(a, a);
 #else
     return a;
 #endif
@@ -184,14 +182,14 @@ inline Lane fourth_of_each_row(Lane row) {
 
 /// 4x4 transposes within the lanes: from rows to columns and from columns to rows.
 inline FourLanes transpose(const FourLanes& r) {
-    using namespace detail;
+    using namespace shuffles;
     const Lane a = even(r[0], r[1]), b = odd(r[0], r[1]), c = even(r[2], r[3]), d = odd(r[2], r[3]);
     return {low(a, c), low(b, d), high(a, c), high(b, d)};
 }
 
 /// Sums of the four numbers of each row.
 inline Lane row_sums(const FourLanes& r) {
-    using namespace detail;
+    using namespace shuffles;
     const Lane a = even(r[0], r[1]) + odd(r[0], r[1]), b = even(r[2], r[3]) + odd(r[2], r[3]);
     return low(a, b) + high(a, b);
 }
@@ -287,5 +285,7 @@ inline void store_triples(double* rows, const ThreeLanes& v) {
     store_lane(rows + 2 * lane_count, __builtin_shufflevector(c, z, 6, 1, 2, 7));
 #endif
 }
+
+} // namespace BRIS_LANES
 
 } // namespace bris

@@ -24,6 +24,8 @@ template <class... Fs>
 struct Overloaded : Fs... {
     using Fs::operator()...;
 };
+template <class... Fs>
+Overloaded(Fs...) -> Overloaded<Fs...>; // clang before 17 does not deduce it
 
 std::string flag(std::string name) {
     std::replace(name.begin(), name.end(), '_', '-');

@@ -1,5 +1,7 @@
 #include "engine/version.hpp"
 
+#include "engine/processor.hpp"
+
 #include <fmt/format.h>
 
 namespace bris {
@@ -23,6 +25,14 @@ const char* widest_vectors() {
 #else
     return "no vectors";
 #endif
+}
+
+/// What a processor must have, as the last words of a line.
+std::string needed() {
+    std::string names;
+    for (auto name = detail::needed_instructions; *name != nullptr; ++name)
+        names += (names.empty() ? " with " : ", ") + std::string(*name);
+    return "for processors" + (names.empty() ? " of this kind" : names);
 }
 
 } // namespace
@@ -54,10 +64,10 @@ std::string version_text(const std::string& program) {
     return fmt::format("{} of BRIS {}\n"
                        "commit           {}\n"
                        "compiler         {}\n"
-                       "instruction set  {}\n"
+                       "instruction set  {}, {}\n"
                        "libraries        {}\n",
                        program, facts.version, facts.commit, compiler(), instruction_set(),
-                       facts.libraries);
+                       needed(), facts.libraries);
 }
 
 } // namespace bris

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/archive.hpp"
+#include "engine/lane_count.hpp"
 #include "engine/table.hpp"
 
 #include <functional>
@@ -16,6 +17,8 @@ template <class K>
 concept Kind = requires {
     K::name;
 };
+
+inline namespace BRIS_LANES {
 
 /// The tables and resources of one scene. A resource is a single value, found by its type; a
 /// resource that is State has `save(Archive&)` and `load(const Archive&)`.
@@ -125,5 +128,7 @@ private:
     std::vector<Named> tables_;
     std::vector<std::unique_ptr<HeldBase>> resources_;
 };
+
+} // namespace BRIS_LANES
 
 } // namespace bris

@@ -58,7 +58,7 @@ struct HertzEdges : EdgeLaw<HertzNormal> {
                 *part = acts ? *part : lanes(0);
         if (step.accumulate_work)
             f.work.wear = c.share * energy_of_wear(k.edges, k.kn, before, now.radius);
-        worn = (overlap > 0.0) & (now.radius > tip) ? now.radius : lanes(0);
+        worn = ((overlap > 0.0) & (now.radius > tip)) ? now.radius : lanes(0);
         c.overlap = overlap;
         c.radius = radius;
         c.closing = closing;

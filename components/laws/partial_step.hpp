@@ -93,7 +93,7 @@ struct CorrectionOfEnd {
         const Lane least = lanes(least_force), damping = dashpot * before.closing,
                    whole = given + damping,
                    due = max(elastic + Normal::share_of_dashpot(part_) * damping, least);
-        return separates_ & (whole > least) ? due - whole : lanes(0);
+        return (separates_ & (whole > least)) ? due - whole : lanes(0);
     }
 
 private:

@@ -1,10 +1,9 @@
 #pragma once
 
+#include "engine/world.hpp"
 #include "scenarios/ballast_box/box_settings.hpp"
 
 namespace bris {
-
-class World;
 
 /// Gives the sensor rocks of a bay the density and friction of their shells, which were those of
 /// the rocks while the bed was made, so that different shells are compared in the same packing. The

@@ -24,8 +24,11 @@ struct Cloud {
     }
 };
 
+// the type of numbers of points is said, for its default differs between versions
+using Number = std::uint32_t;
 using Index =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3>;
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud, double, Number>,
+                                        Cloud, 3, Number>;
 
 } // namespace
 
@@ -43,7 +46,7 @@ NearestPoint::NearestPoint(const std::vector<Vec3>& points) {
 NearestPoint::~NearestPoint() = default;
 
 double NearestPoint::distance(const Vec3& position) const {
-    std::uint32_t nearest = 0;
+    Number nearest = 0;
     double squared = 0;
     tree_->index.knnSearch(position.data(), 1, &nearest, &squared);
     return std::sqrt(squared);

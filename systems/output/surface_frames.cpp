@@ -59,7 +59,7 @@ void SurfaceFrames::add(const World& world, const BodyFrame& frame) {
         Quat turned = Quat::Identity();
         if (!frame.orientations.empty()) {
             const float* q = frame.orientations.data() + 4 * b;
-            turned = Quat(q[0], q[1], q[2], q[3]).normalized();
+            turned = Eigen::Quaternionf(q[0], q[1], q[2], q[3]).cast<double>().normalized();
         }
         for (std::size_t k = 0; k < each; ++k)
             append_vector(points, frame.positions[b] + turned * corners_[each * b + k]);
