@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/message.hpp"
 #include "engine/printable.hpp"
+#include "engine/run_page.hpp"
 
 #include <fmt/format.h>
 
@@ -118,6 +119,39 @@ std::vector<Row> transposed(const std::vector<Row>& rows) {
     return turned;
 }
 
+template <class Row>
+Report::Table texts_of(const std::vector<Row>& rows) {
+    Report::Table table;
+    for (const Row& row : rows) {
+        table.push_back({row.words});
+        for (const std::string& cell : row.cells) table.back().push_back(printable(cell));
+    }
+    return table;
+}
+
+/// A line for each row, with cells below each other. Cells of the whole run stand alone: they do
+/// not widen columns.
+std::vector<std::string> in_columns(const Report::Table& parts, const Report::Table& whole) {
+    std::vector<std::size_t> widths(2);
+    const auto widen = [&](const std::string& cell, std::size_t column) {
+        widths.resize(std::max(widths.size(), column + 1));
+        widths[column] = std::max(widths[column], cell.size());
+    };
+    for (const auto& row : parts)
+        for (std::size_t c = 0; c < row.size(); ++c) widen(row[c], c);
+    for (const auto& row : whole) widen(row.front(), 0);
+    std::vector<std::string> lines;
+    Report::Table rows = parts;
+    rows.insert(rows.end(), whole.begin(), whole.end());
+    for (const auto& row : rows) {
+        std::string line;
+        for (std::size_t c = 0; c < row.size(); ++c)
+            line += fmt::format("  {:<{}}", row[c], widths[c]);
+        lines.push_back(line.substr(0, line.find_last_not_of(' ') + 1));
+    }
+    return lines;
+}
+
 } // namespace
 
 std::string three_digits(double x, const std::string& unit) {
@@ -186,37 +220,21 @@ void Report::show(const std::vector<std::string>& keys) {
     }
 }
 
-std::vector<std::string> Report::table_lines() const {
-    std::size_t words = 0;
-    std::vector<std::size_t> widths;
-    const auto widen = [&](const Row& row) {
-        words = std::max(words, row.words.size());
-        widths.resize(std::max(widths.size(), row.cells.size()));
-        for (std::size_t c = 0; c < row.cells.size(); ++c)
-            widths[c] = std::max(widths[c], row.cells[c].size());
-    };
+Report::Table Report::table_of_parts() const {
     std::vector<Row> rows = rows_of_parts_;
     if (!rows.empty()) rows.insert(rows.begin(), {"", parts_});
-    if (parts_.size() > most_columns) rows = transposed(rows);
-    std::ranges::for_each(rows, widen);
-    for (const Row& row : rows_) words = std::max(words, row.words.size());
-    rows.insert(rows.end(), rows_.begin(), rows_.end());
-    widths.resize(std::max<std::size_t>(1, widths.size()));
-    std::vector<std::string> lines;
-    for (const Row& row : rows) {
-        std::string line = fmt::format("  {:<{}}", row.words, words);
-        for (std::size_t c = 0; c < row.cells.size(); ++c)
-            line += fmt::format("  {:<{}}", printable(row.cells[c]), widths[c]);
-        lines.push_back(line.substr(0, line.find_last_not_of(' ') + 1));
-    }
-    return lines;
+    return texts_of(parts_.size() > most_columns ? transposed(rows) : rows);
 }
 
-std::string Report::text(const std::string& title, const std::string& last) const {
+Report::Table Report::table_of_whole() const {
     Report all = *this;
     if (rows_.empty() && rows_of_parts_.empty())
         for (const NamedValue& entry : entries()) all.show({entry.key});
-    std::vector<std::string> lines = all.table_lines();
+    return texts_of(all.rows_);
+}
+
+std::string Report::text(const std::string& title, const std::string& last) const {
+    std::vector<std::string> lines = in_columns(table_of_parts(), table_of_whole());
     const auto cut = [](std::vector<std::string>& list, std::size_t most, const std::string& rest) {
         if (list.size() <= most) return;
         const std::size_t more = list.size() - most + 1;
@@ -234,11 +252,14 @@ std::string Report::text(const std::string& title, const std::string& last) cons
 
 void report_results(const Common& common, const Report& results) {
     write_results(common, results); // before printing, which fails if stdout is closed
+    write_run_page(common, results);
     std::string command = common.scenario;
     for (const std::string& word : common.arguments) command += " " + word;
     const std::string text = results.text(
-        command, fmt::format("Results are in {}; summary.json there has all numbers and settings.",
-                             common.out.string()));
+        command,
+        fmt::format(
+            "Results are in {}: report.html to read, summary.json with all numbers and settings.",
+            common.out.string()));
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
         throw OutputError(fmt::format("cannot print the results: {}", std::strerror(errno)));
 }

@@ -29,6 +29,13 @@ public:
     /// A sentence below the table, or one on each line of a text.
     void show_sentence(std::string_view text);
 
+    /// All that is shown: rows of cells, of which the first ones are words, and sentences. The
+    /// first row of parts has their names, or else what is shown of them; no part: no row.
+    using Table = std::vector<std::vector<std::string>>;
+    Table table_of_parts() const;
+    Table table_of_whole() const;
+    const std::vector<std::string>& sentences() const { return sentences_; }
+
     /// What is shown, in at most `most_lines` lines: the title, the table, sentences, and the last
     /// line. What does not fit is left out, and a line says so.
     std::string text(const std::string& title, const std::string& last) const;
@@ -41,7 +48,6 @@ private:
     };
     const NamedValue* find(const std::string& key) const;
     std::string shown_with_band(const NamedValue& entry) const;
-    std::vector<std::string> table_lines() const;
 
     std::vector<std::string> parts_; ///< names of the columns
     std::vector<Row> rows_of_parts_; ///< cells of parts at the end may be missing
@@ -55,9 +61,10 @@ std::string three_digits(double x, const std::string& unit = "");
 /// The same with a band: "284 (251 to 317) kPa".
 std::string three_digits(double x, double low, double high, const std::string& unit = "");
 
-/// Writes the results (write_results), and prints what the report shows under the command as it was
-/// typed, with a closing line that says where all results are. Called when all other files are
-/// written: it is all that a run prints to stdout. Throws OutputError.
+/// Writes the results (write_results) and their page (write_run_page), and prints what the report
+/// shows under the command as it was typed, with a closing line that says where all results are.
+/// Called when all other files are written: it is all that a run prints to stdout. Throws
+/// OutputError.
 void report_results(const Common& common, const Report& results);
 /// Prints to stderr, unless the run is quiet, what was found so far.
 void report_news(const Common& common, const std::string& text);

@@ -17,6 +17,7 @@ namespace bris {
 /// Settings that all scenarios have in common.
 struct Common {
     std::string scenario;         ///< name of the scenario
+    std::string question;         ///< what it does, in one sentence
     std::filesystem::path out;    ///< folder of the results; exists when the scenario runs
     std::filesystem::path assets; ///< folder of the assets by --assets; empty: see assets_folder
     /// Folder of beds that were made before; empty: in the user's cache; none: there is none.
@@ -31,6 +32,9 @@ struct Common {
     bool quiet = false;                 ///< print no progress
     std::vector<NamedValue> settings;   ///< every option with its value, for summary and run file
     std::vector<std::string> arguments; ///< as typed
+    /// Settings that differ from the defaults, as given, and the default.
+    std::vector<std::pair<NamedValue, NamedValue>> changes;
+    std::filesystem::file_time_type began = std::filesystem::file_time_type::clock::now();
 };
 
 /// Writes scenario, settings and results to summary.json in the folder of the results. Throws

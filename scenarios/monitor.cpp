@@ -427,7 +427,7 @@ private:
             recorded_ = stream.recorded_time();
             take(*passage);
             note(stream);
-            write_page(common_.out, report());
+            write_page(common_, report());
         }
         recorded_ = stream.recorded_time();
         note(stream);
@@ -455,7 +455,7 @@ private:
     void finish() {
         if (broker_) broker_->finish();
         const MonitorReport all = report();
-        write_page(common_.out, all);
+        write_page(common_, all);
         draw_pictures(common_.out, all);
         Report summary;
         add_results(summary, all);

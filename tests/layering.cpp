@@ -81,7 +81,7 @@ bool may_include_system(const std::string& file, const std::string& target) {
 constexpr std::array rooms{"rocks",       "sensors",  "records", "specimens",   "collision",
                            "stream",      "triaxial", "bulk",    "ballast_box", "track",
                            "field_tests", "ensemble", "library", "monitoring",  "forecast",
-                           "network",     "python"};
+                           "network",     "command",  "python"};
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {
@@ -111,7 +111,7 @@ bool may_include_engine(const std::string& file, const std::string& target) {
         "engine/random.hpp",      "engine/ranks.hpp",         "engine/stopwatch.hpp",
         "engine/version.hpp"};
     static const std::set<std::string> of_the_run{"engine/options.cpp", "engine/resume.hpp",
-                                                  "engine/summary.cpp"};
+                                                  "engine/run_page.cpp", "engine/summary.cpp"};
     static const std::set<std::pair<std::string, std::string>> exceptions{
         {"engine/estimation/motion_filter.hpp", "engine/signal/attitude.hpp"},
         {"engine/signal/spectrum.cpp", "engine/estimation/chi_squared.hpp"}};

@@ -1,9 +1,14 @@
 #include "engine/io/html_page.hpp"
 
+#include "engine/io/base64.hpp"
 #include "engine/io/svg_plot.hpp"
 #include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
+
+#include <cctype>
+#include <cstdint>
+#include <cstring>
 
 namespace bris {
 
@@ -21,10 +26,30 @@ constexpr std::string_view style =
     ".box b{font-size:1.15rem}.good{border-color:#009e73;background:var(--good)}"
     ".bad{border-color:#d55e00;background:var(--bad)}"
     ".unknown{border-color:#8a8a8a;background:var(--unknown)}"
+    "figure{margin:1rem 0}figcaption{font-size:.9rem}"
+    "img{max-width:100%;height:auto;background:#fff;border-radius:.25rem}"
+    "pre{padding:.6rem .8rem;white-space:pre-wrap;background:var(--unknown)}"
     "details{margin:.6rem 0}summary{cursor:pointer;font-weight:600}"
     ":root{color-scheme:light dark;--page:#fff;--good:#e2f5ee;--bad:#fdebdf;--unknown:#efefef}"
     "@media(prefers-color-scheme:dark){:root{--page:#161616;--good:#10382d;--bad:#47260f;"
     "--unknown:#2b2b2b}}";
+
+/// A number of four bytes in a PNG.
+std::uint32_t number_at(std::string_view png, std::size_t at) {
+    std::uint32_t number = 0;
+    for (const char c : png.substr(at, 4)) number = number << 8 | static_cast<unsigned char>(c);
+    return number;
+}
+
+/// The address of a file beside the page.
+std::string address(std::string_view name) {
+    std::string out;
+    for (const char c : name)
+        out += std::isalnum(static_cast<unsigned char>(c)) != 0 || std::strchr("/._-", c) != nullptr
+                   ? std::string(1, c)
+                   : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    return "./" + out; // a name may begin as an address elsewhere does
+}
 
 } // namespace
 
@@ -61,6 +86,26 @@ void HtmlPage::table(const std::vector<std::vector<std::string>>& rows,
 }
 
 void HtmlPage::plot(const Plot& plot) { body_ += svg_plot(plot); }
+
+void HtmlPage::picture(const std::string& caption, std::string_view png) {
+    constexpr std::size_t width = 16, height = 20; // where a PNG states its size
+    const std::string text = escaped_for_html(caption);
+    body_ += fmt::format("<figure><img alt=\"{}\" width=\"{}\" height=\"{}\" "
+                         "src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>\n",
+                         text, number_at(png, width), number_at(png, height), to_base64(png), text);
+}
+
+void HtmlPage::command(const std::string& text) {
+    body_ += fmt::format("<pre>{}</pre>\n", escaped_for_html(text));
+}
+
+void HtmlPage::links(const std::vector<std::pair<std::string, std::string>>& files) {
+    body_ += "<ul>\n";
+    for (const auto& [name, text] : files)
+        body_ += fmt::format("<li><a href=\"{}\">{}</a> {}</li>\n", address(name),
+                             escaped_for_html(name), escaped_for_html(text));
+    body_ += "</ul>\n";
+}
 
 void HtmlPage::begin_details(const std::string& summary) {
     body_ += fmt::format("<details><summary>{}</summary>\n", escaped_for_html(summary));

@@ -4,12 +4,14 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace bris {
 
-/// One HTML page that needs no other file: text, tables and plots (inline SVG), without scripts,
-/// for light and dark screens and for phones. Texts are escaped.
+/// One HTML page that needs no other file: text, tables, plots (inline SVG) and pictures, without
+/// scripts, for light and dark screens and for phones. Texts are escaped.
 class HtmlPage {
 public:
     explicit HtmlPage(const std::string& title);
@@ -22,6 +24,12 @@ public:
     void table(const std::vector<std::vector<std::string>>& rows,
                const std::vector<std::string>& kinds = {});
     void plot(const Plot& plot);
+    /// A picture with its caption, from the bytes of a PNG.
+    void picture(const std::string& caption, std::string_view png);
+    /// What a reader types, as it is.
+    void command(const std::string& text);
+    /// Links to files, named as they are seen from the page's folder, with a text behind each.
+    void links(const std::vector<std::pair<std::string, std::string>>& files);
     /// Opens and closes a part that a reader may fold away.
     void begin_details(const std::string& summary);
     void end_details();

@@ -2,6 +2,7 @@
 
 #include "engine/io/html_page.hpp"
 #include "engine/report.hpp"
+#include "engine/run_page.hpp"
 #include "scenarios/monitoring/features.hpp"
 #include "scenarios/monitoring/passage_log.hpp"
 
@@ -319,7 +320,7 @@ Plot chart_plot(const SensorResult& result, double width) {
     return plot;
 }
 
-void write_page(const std::filesystem::path& folder, const MonitorReport& report) {
+void write_page(const Common& common, const MonitorReport& report) {
     HtmlPage page("SmartRock monitor");
     const OverallVerdict overall = overall_verdict(report);
     page.verdict(kind_of(overall.verdict), text_of(overall.verdict), overall.reason);
@@ -348,7 +349,8 @@ void write_page(const std::filesystem::path& folder, const MonitorReport& report
     page.paragraph("It cannot tell fouled ballast from another train, speed or weather unless the "
                    "baseline has them and their numbers are stated; nor a loose sensor from loose "
                    "ballast, if it is the only one that has changed.");
-    page.write(folder / "monitor.html");
+    add_origin(page, common);
+    page.write(common.out / "monitor.html");
 }
 
 void draw_pictures(const std::filesystem::path& folder, const MonitorReport& report) {

@@ -3,6 +3,7 @@
 #include "engine/choice.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/report.hpp"
+#include "engine/scenario.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
 #include "scenarios/monitoring/site_verdict.hpp"
 
@@ -39,7 +40,7 @@ Plot spectrum_plot(const SensorResult& result, const SensorBaseline& baseline,
 Plot chart_plot(const SensorResult& result, double width);
 
 /// Writes one self-contained page, monitor.html. Throws OutputError.
-void write_page(const std::filesystem::path& folder, const MonitorReport& report);
+void write_page(const Common& common, const MonitorReport& report);
 /// Draws spectra.png and charts.png, a panel for the most serious result of each sensor, and
 /// history.png, their levels.
 void draw_pictures(const std::filesystem::path& folder, const MonitorReport& report);

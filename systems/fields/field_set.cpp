@@ -3,6 +3,7 @@
 #include "components/kinds.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
+#include "systems/fields/bed_surface.hpp"
 #include "systems/fields/coarse_grain.hpp"
 #include "systems/fields/image_file.hpp"
 #include "systems/fields/smooth.hpp"
@@ -175,7 +176,12 @@ FieldSet fields_of(const World& world, const FieldSetSettings& settings) {
     set.shown = VoxelField(set.blocks);
     for (std::uint32_t n = 0; n < set.blocks.voxels(); ++n)
         set.shown[n] = solid.solid()[n] + voids(n) > least_shown ? 1 : 0;
-    if (container) set.void_volume = set.blocks.lattice().volume() * solid.voids().sum();
+    const int a_rock = std::max(1, static_cast<int>(std::lround(2 * mean_radius(world) / voxel)));
+    hide_air_above(set.shown, solid.solid(), set.blocks, a_rock);
+    if (container)
+        set.void_volume =
+            set.blocks.lattice().volume() *
+            field_of(set.blocks, set.shown, [&](std::uint32_t n) { return voids(n); }).sum();
     set.fields.push_back(
         {"density", "1", "Fraction of the volume that rocks fill.", {solid.solid()}});
     set.fields.push_back({"density_error", "1", "Estimated error of density.", {solid.error()}});

@@ -21,10 +21,10 @@ struct FieldSet {
         std::vector<VoxelField> components; ///< one, or three of a vector
     };
     VoxelBlocks blocks;
-    VoxelField shown; ///< 1 for voxels within the ballast, otherwise 0
+    VoxelField shown; ///< 1 for voxels within the ballast and below its surface, otherwise 0
     std::vector<Field> fields;
     MeasuredVolume solids;
-    double void_volume = 0; ///< m3, between the lowest and the highest rock; 0 without a container
+    double void_volume = 0; ///< m3, of the voxels shown; 0 without a container
     double averaging = 0;   ///< m, as used
     bool has_stress = false;
 

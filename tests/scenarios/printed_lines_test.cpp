@@ -1,8 +1,9 @@
 // A person reads what a run prints at its end: at most 25 lines of every program, warnings
-// included, which only report_results prints.
+// included, which only report_results prints; and every run writes a page.
 
 #include "engine/io/whole_file.hpp"
 #include "engine/report.hpp"
+#include "tests/engine/io/html_text.hpp"
 #include "tests/scenarios/faults/process.hpp"
 
 #include <doctest/doctest.h>
@@ -71,6 +72,9 @@ TEST_SUITE("scenarios/printed_lines") {
             CHECK(lines_in(outcome.out) > 1);
             CHECK(lines_in(outcome.out) + lines_in(outcome.err) <=
                   static_cast<std::ptrdiff_t>(Report::most_lines));
+            const std::string page = read_whole(folder / words.front() / "report.html");
+            CHECK(testing::is_balanced(testing::without_pictures(page)));
+            CHECK(testing::fetched_by(page).empty());
             CHECK(outcome.out.find("\nResults are in " + (folder / words.front()).string()) !=
                   std::string::npos);
         }
@@ -78,6 +82,7 @@ TEST_SUITE("scenarios/printed_lines") {
 
     TEST_CASE("no program prints its results itself") {
         const std::map<std::string, std::size_t> others{
+            {"bris.cpp", 5},       // of other programs, and of no run
             {"live_demo.cpp", 1},  // address of the page, before the run
             {"recordings.cpp", 1}, // --new: how columns were guessed
             {"stress.cpp", 1},     // --list

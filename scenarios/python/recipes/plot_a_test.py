@@ -1,8 +1,6 @@
 """Recipe: plot a test. Deviatoric stress and volumetric strain of a triaxial test against axial strain, and its rocks in the last
 frame. Usage: plot_a_test.py OUT [FOLDER], with the folder that `scenarios/run triaxial --out FOLDER` has written; without one a
 short test of a small specimen is run first."""
-import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,10 +10,8 @@ import bris
 
 
 def short_test(folder):
-    program = Path(os.environ.get('BRIS_BINARIES', 'build/bin')) / 'triaxial'
-    subprocess.run([program, '--grading=arema_3', '--bodies=160', '--porosity=0.42', '--confining-pressure=110e3',
-                    '--final-axial-strain=0.002', '--quiet', f'--out={folder}'], check=True, stdout=subprocess.DEVNULL)
-    return folder
+    return bris.run('triaxial', grading='arema_3', bodies=160, porosity=0.42, confining_pressure=110e3, final_axial_strain=0.002,
+                    out=folder).folder
 
 
 def main(out, folder):

@@ -1,45 +1,20 @@
+#include "engine/io/base64.hpp"
 #include "engine/io/html_page.hpp"
 #include "engine/io/svg_plot.hpp"
 #include "engine/io/whole_file.hpp"
+#include "tests/engine/io/html_text.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <limits>
-#include <regex>
 #include <string>
 #include <vector>
 
 using namespace bris;
 
-namespace {
-
-/// Whether every element that is opened is closed, in order.
-bool is_balanced(const std::string& html) {
-    static const std::regex tag("<(/?)([a-zA-Z0-9]+)([^>]*)>");
-    std::vector<std::string> open;
-    for (auto at = std::sregex_iterator(html.begin(), html.end(), tag);
-         at != std::sregex_iterator(); ++at) {
-        const std::string name = at->str(2), rest = at->str(3);
-        if (name == "meta" || name == "br" || rest.ends_with('/')) continue;
-        if (at->str(1).empty())
-            open.push_back(name);
-        else if (open.empty() || open.back() != name)
-            return false;
-        else
-            open.pop_back();
-    }
-    return open.empty();
-}
-
-std::size_t count(const std::string& text, const std::string& what) {
-    std::size_t n = 0;
-    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
-    return n;
-}
-
-} // namespace
+using testing::count, testing::fetched_by, testing::is_balanced;
 
 TEST_SUITE("engine/io/html_page") {
     TEST_CASE("a page is whole, escapes its texts and needs nothing from elsewhere") {
@@ -59,10 +34,29 @@ TEST_SUITE("engine/io/html_page") {
         const std::string html = read_whole(directory / "p.html");
         CHECK(is_balanced(html));
         CHECK(html.find("a &lt; b &amp; &quot;c&quot;") != std::string::npos);
-        for (const char* elsewhere : {"<script", "http", "src=", "url(", "@import", "<link", "nan"})
-            CHECK_MESSAGE(html.find(elsewhere) == std::string::npos, elsewhere);
+        CHECK(fetched_by(html).empty());
+        CHECK(html.find("nan") == std::string::npos);
         CHECK(html.find("prefers-color-scheme:dark") != std::string::npos);
         CHECK(html.find("width=device-width") != std::string::npos);
+    }
+
+    TEST_CASE("pictures are within a page, links lead to files beside it, commands stay as typed") {
+        const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\2\x58\0\0\1\0", 24);
+        HtmlPage page("p");
+        page.picture("a \"b\"", png);
+        page.links({{"javascript:alert(1)", "<i>"}, {"110kPa/a b&\".csv", "table"}});
+        page.command("bris run 'x<y'");
+        const std::string html = page.text();
+        CHECK(is_balanced(html));
+        CHECK(fetched_by(html).empty());
+        CHECK(html.find("<img alt=\"a &quot;b&quot;\" width=\"600\" height=\"256\" "
+                        "src=\"data:image/png;base64," +
+                        to_base64(png) + "\">") != std::string::npos);
+        CHECK(html.find(
+                  "<a href=\"./javascript%3Aalert%281%29\">javascript:alert(1)</a> &lt;i&gt;") !=
+              std::string::npos);
+        CHECK(html.find("href=\"./110kPa/a%20b%26%22.csv\"") != std::string::npos);
+        CHECK(html.find("<pre>bris run 'x&lt;y'</pre>") != std::string::npos);
     }
 
     TEST_CASE("a curve is interrupted where it has no number") {

@@ -17,7 +17,8 @@ import numpy as np
 import bris
 
 BINARIES = Path(os.environ['BRIS_BINARIES'])
-CLUMP = Path(__file__).resolve().parents[3] / 'assets' / 'clumps' / 'rock_01.csv'
+ROOT = Path(__file__).resolve().parents[3]
+CLUMP, SMALL = ROOT / 'assets' / 'clumps' / 'rock_01.csv', ROOT / 'tests' / 'scenarios' / 'small'
 
 
 def column_of_spheres(threads=1, count=30):
@@ -552,6 +553,78 @@ class ModuleTest(unittest.TestCase):
         self.assertEqual(lines['corners'].shape, (summary['contacts'], 2))
         self.assertEqual(len(ends['position']), 2 * summary['contacts'])
         self.assertAlmostEqual(lines['normal_force'].mean(), summary['mean_normal_force_N'], delta=1e-5 * summary['mean_normal_force_N'])
+
+    def test_quaternions_of_run_files_are_in_the_order_of_those_of_simulations_and_checkpoints(self):
+        with tempfile.TemporaryDirectory() as folder:
+            results = bris.run('triaxial', config=SMALL / 'specimen.cfg', grading=SMALL / 'grading.csv', confining_pressure=55e3, beds='none', out=folder)
+            state = bris.read_checkpoint(next(Path(folder).glob('triaxial*.ckpt.h5')))['state']
+            with results.open_run() as run:
+                last = run.frame(-1)
+        rows = np.searchsorted(state['bodies/id'], last['id'].astype(int))
+        expected = state['bodies/orientation'][rows]
+        self.assertGreater(np.abs(np.diff(expected, axis=1)).max(), 0.1)  # an order can be seen
+        np.testing.assert_allclose(last['orientation'], expected, atol=1e-6)
+
+    def test_a_run_gives_its_tables_as_arrays_and_its_summary_as_a_dictionary(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / 'old.csv').write_text('a\n1\n')
+            os.utime(Path(folder) / 'old.csv', (1, 1))
+            results = bris.run('settle', spheres=30, duration=0.002, threads=np.int64(1), relax=False, seed=None, out=folder)
+            self.assertEqual(results.tables, ['settle'])
+            self.assertEqual(results.summary['spheres'], 30)
+            self.assertAlmostEqual(results['settle']['time_s'][-1], 0.002)
+            self.assertIn('floor force over weight', results.text)
+            self.assertIn('--spheres=30', results.report.read_text())
+            with self.assertRaisesRegex(KeyError, 'expected one of settle, found old'):
+                results['old']
+            with results.open_run() as run:
+                self.assertEqual(run.frame(0)['position'].shape, (30, 3))
+
+    def test_a_run_that_fails_raises_what_the_program_said(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for scenario, options, error, what in (('settle', dict(sphere=3), bris.InputError, '--sphere.*did you mean --spheres'),
+                                                   ('settle', dict(spheres=0), bris.InputError, '--spheres: expected a whole number'),
+                                                   ('settle', dict(explain=True), bris.InputError, 'expected options of a run, found explain'),
+                                                   ('settel', {}, bris.InputError, 'expected one of ballast_box, .*found "settel"'),
+                                                   ('settle', dict(resume='no/such/file'), bris.OutputError, 'cannot read')):
+                with self.subTest(scenario, **options), self.assertRaisesRegex(error, what):
+                    bris.run(scenario, out=folder, **options)
+
+    def test_a_file_that_is_no_whole_run_file_is_refused_in_words_of_this_project(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bris.run('settle', spheres=30, duration=0.002, out=folder)
+            file, damaged, other = (Path(folder) / name for name in ('settle.vtkhdf', 'damaged.vtkhdf', 'settle.ckpt.h5'))
+            damaged.write_bytes(file.read_bytes()[:-1000])
+            for path, error in ((damaged, bris.OutputError), (other, bris.InputError), (Path(folder) / 'absent.vtkhdf', bris.OutputError)):
+                with self.subTest(path.name), self.assertRaisesRegex(error, f'{path.name}: expected a run file, found') as caught:
+                    bris.open_run(path)
+                self.assertTrue(caught.exception.__suppress_context__ or caught.exception.__context__ is None)
+            with bris.open_run(file) as run:
+                frames = len(run)
+                for call, error, what in ((lambda: run.frame(frames), IndexError, f'expected a frame from -{frames} to {frames - 1}, found {frames}'),
+                                          (lambda: run.series('x'), bris.InputError, 'expected a series among motion, found x')):
+                    with self.assertRaisesRegex(error, what):
+                        call()
+            with self.assertRaisesRegex(bris.InputError, 'expected an open run file, found it closed'):
+                run.frame(0)
+            done = self.child(f"""
+                sys.modules['h5py'] = None
+                print(bris.read_summary({folder!r})['spheres'])
+                bris.open_run({str(file)!r})""")
+            self.assertEqual(done.stdout, '30\n')
+            self.assertIn('ImportError: open_run: expected h5py, found none', done.stderr)
+
+    def test_porosity_of_a_slope_does_not_count_the_air_above_it(self):
+        scene = bris.Scene('spheres', step=1e-5)
+        rock = scene.add_material(density=2600, normal_stiffness=1e6, shear_stiffness=1e6, friction=0.5, normal_damping=3000)
+        for point, normal in (((0, 0, 0), (1, 0, 0)), ((0.2, 0, 0), (-1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((0, 0.1, 0), (0, -1, 0)), ((0, 0, 0), (0, 0, 1))):
+            scene.add_plane(point, normal, rock)
+        for i in range(10):
+            for k in range(5 * (10 - i)):
+                scene.add_sphere((0.01 + 0.02 * i, 0.01 + 0.02 * (k % 5), 0.01 + 0.02 * (k // 5)), 0.01, rock)
+        values = bris.Simulation(scene).field('porosity', voxel=2e-3)['values']
+        self.assertAlmostEqual(np.nanmean(values), 1 - np.pi / 6, delta=0.03)  # of a cubic lattice
+        self.assertTrue(np.isnan(values[-5:, :, -20:]).all())
 
     def test_a_folder_without_a_run_file_is_refused(self):
         with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(ValueError, 'found 0'):
