@@ -113,6 +113,7 @@ void BoxTestRun::foul(Simulation& simulation) const {
     if (!world.has_resource<Fouling>()) add_fields(simulation, box_);
     auto& fields = world.resource<Fouling>();
     fields.settings.refresh = fouling.settings.refresh;
+    world.resource<FoulingLaw>() = fouling.law;
     const Vec3& bladder = value_of<Position>(world, world.resource<BoxBodies>().bladder);
     const double half = 0.5 * (sizes_.bladder_top - sizes_.bladder_low);
     if (box_test(box_.run).confined)
@@ -125,11 +126,15 @@ double friction_of_stones(const World& world) {
     return world.resource<BoxState>().wet > 0 ? world.resource<BoxBodies>().wet_friction : 1;
 }
 
-// while rocks are pressed together and poured, fines need not follow each of their moves
+// While rocks are poured and pressed together, fines need not follow each of their moves. They act
+// on friction alone: stiffness is not that of rocks then, and softer lifts do not become dense.
 void BoxTestRun::mix_fines(Simulation& simulation) const {
     constexpr double never = 1e6; // voxels
     foul(simulation);
-    simulation.world().resource<Fouling>().settings.refresh = never;
+    World& world = simulation.world();
+    world.resource<Fouling>().settings.refresh = never;
+    auto& law = world.resource<FoulingLaw>();
+    law.stiffness_loss = law.dry_cushion = law.wet_cushion = 0;
 }
 
 // the dashpots stay as they are

@@ -198,20 +198,21 @@ TEST_SUITE("ballast_box") {
         REQUIRE(fines.size() == 3);
         // rocks have more mass while the bed is made
         for (const double p4 : fines) CHECK(p4 == about(17).epsilon(0.1));
-        const auto weakest = [](const World& world) {
+        // friction alone is weaker meanwhile: by 1 - 0.81 g, with g above 0.3
+        const auto least_of = [&](auto member) {
             double least = 1;
-            for (const WeakenedPair& pair : world.resource<Materials>().weakened())
-                least = std::min(least, pair.stiffness);
+            for (const WeakenedPair& pair : mixed.world().resource<Materials>().weakened())
+                least = std::min(least, pair.*member);
             return least;
         };
-        CHECK(weakest(mixed.world()) < 0.7); // by cushions: 1 + 2 g, with g above 0.3
+        CHECK(least_of(&WeakenedPair::stiffness) == 1);
+        CHECK(least_of(&WeakenedPair::friction) < 0.76);
         for (const double porosity : mixed.world().resource<BoxState>().porosity)
             CHECK(porosity < 0.43);
         mixed.load();
         const FoulingMeasures m = measure_fouling(mixed.world(), present_fouling(mixed.world()));
         CHECK(m.p4 == about(17).epsilon(1e-6));
         CHECK(cycle_responses(mixed.samples, 1).size() == 3);
-        // of this kind, and from a checkpoint of the bed the same bits
-        CHECK(mixed.world().resource<FoulingLaw>().friction_loss == 0.81);
+        CHECK(least_of(&WeakenedPair::stiffness) < 0.65); // films: 1 + 2 g
     }
 }
