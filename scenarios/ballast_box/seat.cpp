@@ -1,4 +1,5 @@
 // Phases of a box from the finished bed to rest under the least loads.
+#include "components/fouling.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
