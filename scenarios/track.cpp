@@ -23,7 +23,7 @@ using namespace bris;
 struct TrackRun {
     StretchSettings stretch = {};
     SettlementLaw law = {};
-    double block = 0.1, settlement = 4e-3;
+    double block = 0.1, settlement = 4e-3, tamping = 0;
     unsigned tracks = 20, records = 8;
     unsigned bays = 0, cycles = 100;
     double pad_stiffness = 120e6;
@@ -47,6 +47,10 @@ struct TrackRun {
         option("settlement", settlement, "m",
                "Settlement of a good track without mud, with which the run ends (without --bays).",
                within(1e-5, 0.1).usually(1e-4, 0.02));
+        option("tamping", tamping, "m",
+               "Settlement of a good track from one tamping to the next (without --bays): all ties "
+               "are lifted to one level. What that loosens is not modelled. 0: never.",
+               within(0, 0.1));
         option("exponent", law.exponent, "",
                "Power of a tie's load with which its bed settles; laboratories found 1.6 to 5.",
                within(0, 10));

@@ -55,7 +55,13 @@ std::vector<StretchState> settle_track(const SettlingTrack& track,
     TrackStretch stretch(track.stretch);
     const std::vector<double> rates = track.law.rates(track.stretch, number);
     std::vector<StretchState> states;
+    double tamped = 0; // m, when it was last
     for (const double settled : settlements) {
+        while (track.tamping > 0 && tamped + track.tamping < settled) {
+            tamped += track.tamping;
+            settle(stretch, track, rates, tamped);
+            stretch.tamp();
+        }
         settle(stretch, track, rates, settled);
         states.push_back(stretch.state());
     }

@@ -25,6 +25,9 @@ struct SettlingTrack {
     StretchSettings stretch = {};
     SettlementLaw law = {};
     double block = 0.1; ///< largest change of a level within a block, of R0 / tie_support
+    /// m, settlement of a good track from one tamping to the next; 0: there is none. Beds settle
+    /// afterwards as before: what a tamping machine loosens is not modelled.
+    double tamping = 0;
 };
 
 /// The states at these settlements of a good track (m, ascending). The random numbers of a stretch

@@ -59,6 +59,11 @@ void TrackStretch::settle(const std::vector<double>& by, double beyond) {
     lower_beds();
 }
 
+void TrackStretch::tamp() {
+    std::ranges::fill(levels_, settled_);
+    lower_beds();
+}
+
 void TrackStretch::set_stiffness(const std::vector<double>& of_ties, double beyond) {
     rail_ = rail_over(settings_, margin_, of_ties, beyond);
     even_load_ = even_load_on(settings_, margin_, beyond);

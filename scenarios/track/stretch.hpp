@@ -41,6 +41,8 @@ public:
 
     /// The bed of each tie settles (m), and that of the even ties beyond.
     void settle(const std::vector<double>& by, double beyond);
+    /// A tamping machine packs ballast below all ties, up to the level of those beyond.
+    void tamp();
     /// N/m, of pad, bed and subgrade in series: of each tie, and of the even ties beyond.
     void set_stiffness(const std::vector<double>& of_ties, double beyond);
 
