@@ -243,8 +243,8 @@ std::vector<History> settle_tracks(const TrackRun& given, const SettlementLaw& l
     Progress progress = make_progress(common);
     std::atomic<std::size_t> done = 0;
     run_ensemble(all.size(), common.threads, [&](std::size_t k) {
-        all[k] =
-            settle_track({given.stretch, law, given.block}, settlements, 1000 * common.seed + k);
+        all[k] = settle_track({given.stretch, law, given.block, given.tamping}, settlements,
+                              1000 * common.seed + k);
         const std::size_t now = ++done;
         progress.report(0, {"settle", static_cast<double>(now) / static_cast<double>(all.size()),
                             fmt::format("stretch {} of {}", now, all.size())});
@@ -347,6 +347,8 @@ void check(const TrackRun& given, const Common& common) {
     require(
         t.mud_ties <= t.ties,
         fmt::format("--mud-ties: expected at most the {} of --ties, found {}", t.ties, t.mud_ties));
+    require(given.bays == 0 || given.tamping == 0,
+            "--tamping: expected none with --bays, whose beds it would loosen");
     if (given.bays > 0) return check_coupled(given.coupled());
     require(common.resume.empty(),
             "--resume: expected none without --bays, since a stretch then settles in seconds");

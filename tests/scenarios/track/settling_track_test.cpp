@@ -86,6 +86,18 @@ TEST_SUITE("track/settling_track") {
         CHECK(settled(track_with(3, 1.42), 4e-3).voids[middle] < 0.3e-3);
     }
 
+    TEST_CASE("after tamping voids open as on a new track, since the mud is still there") {
+        SettlingTrack track = track_with(3, 4);
+        const std::size_t middle = track.stretch.ties / 2;
+        const double new_track = settled(track, 1e-3).voids[middle];
+        track.tamping = 2e-3;
+        const auto states = settle_track(track, {2e-3, 2.0001e-3, 3e-3, 5e-3}, 1);
+        CHECK(states[0].voids[middle] > 1.2 * new_track);
+        CHECK(states[1].voids[middle] < 0.01 * new_track);
+        CHECK(states[2].voids[middle] == about(new_track).epsilon(0.01));
+        CHECK(states[3].voids[middle] == about(new_track).epsilon(0.01));
+    }
+
     TEST_CASE("half the block changes voids by less than 2 %") {
         SettlingTrack track = track_with(3, 4), fine = track;
         fine.block = track.block / 2;
