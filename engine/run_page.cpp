@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace bris {
@@ -21,6 +22,8 @@ namespace {
 
 constexpr auto page_name = "report.html";
 constexpr std::size_t most_pictures = 64, most_files = 100;
+constexpr std::size_t most_seen = 10'000; // a folder may be one in which much else lies
+constexpr int deepest = 2;                // of subfolders
 
 struct ResultFile {
     std::string name; ///< seen from the folder of the results
@@ -28,7 +31,7 @@ struct ResultFile {
     bool is_new; ///< written by this run
 };
 
-/// The files of the results, by name; those of subfolders behind them.
+/// The files of the results, by name; those of subfolders behind them, of 55kPa before 110kPa.
 std::vector<ResultFile> files_of(const Common& common) {
     // a file system's clock may be a tick behind that of the machine
     const auto since = common.began - std::chrono::seconds(1);
@@ -36,7 +39,9 @@ std::vector<ResultFile> files_of(const Common& common) {
     std::error_code error; // a file that is gone or may not be seen is left out
     const auto options = fs::directory_options::skip_permission_denied;
     for (auto at = fs::recursive_directory_iterator(common.out, options, error);
-         !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+         !error && at != fs::recursive_directory_iterator() && files.size() < most_seen;
+         at.increment(error)) {
+        if (at.depth() >= deepest) at.disable_recursion_pending();
         std::error_code gone;
         if (!at->is_regular_file(gone)) continue;
         const std::string name = at->path().lexically_relative(common.out).generic_string();
@@ -45,7 +50,8 @@ std::vector<ResultFile> files_of(const Common& common) {
         if (!gone && name != page_name) files.push_back({name, bytes, written >= since});
     }
     std::ranges::sort(files, {}, [](const ResultFile& file) {
-        return std::pair(std::ranges::count(file.name, '/'), file.name);
+        const std::string folder = file.name.substr(0, file.name.find_last_of('/') + 1);
+        return std::tuple(std::ranges::count(folder, '/'), folder.size(), file.name);
     });
     return files;
 }
@@ -75,6 +81,14 @@ std::string size_of(std::uintmax_t bytes) {
                         : fmt::format("{:.3g} MB", size / 1e6);
 }
 
+/// Whether a number is shown with its band (three_digits).
+bool has_band(const Report::Table& table) {
+    for (const auto& row : table)
+        for (const std::string& cell : row)
+            if (cell.find(" to ") < cell.find(')') && cell.find(')') < cell.size()) return true;
+    return false;
+}
+
 void add_answer(HtmlPage& page, const Report& results) {
     page.heading("The answer");
     const Report::Table parts = results.table_of_parts();
@@ -84,11 +98,11 @@ void add_answer(HtmlPage& page, const Report& results) {
     if (whole.size() > 1) page.table(whole);
     page.heading("How far to trust it");
     for (const std::string& sentence : results.sentences()) page.paragraph(printable(sentence));
-    page.paragraph(
-        results.sentences().empty()
-            ? "The run states neither a band nor limits of these numbers. One run cannot "
-              "tell how much another --seed would change them."
-            : "Numbers in parentheses are the band that the run states.");
+    const bool has_bands = has_band(parts) || has_band(whole);
+    if (has_bands) page.paragraph("Numbers in parentheses are the band of the one before them.");
+    if (!has_bands && results.sentences().empty())
+        page.paragraph("The run states neither a band nor limits of these numbers. One run cannot "
+                       "tell how much another --seed would change them.");
 }
 
 void add_pictures(HtmlPage& page, const Common& common, const std::vector<ResultFile>& files) {
@@ -132,7 +146,7 @@ std::string typed(const std::string& word) {
 void add_changes(HtmlPage& page, const Common& common) {
     page.heading("Settings that differ from the defaults");
     if (common.changes.empty()) return page.paragraph("None.");
-    Report::Table rows{{"option", "this run", "default", "in summary.json, with its unit"}};
+    Report::Table rows{{"option", "this run", "default", "key, with its unit"}};
     const auto shown = [](const NamedValue& setting) {
         const std::string text = printable(setting.text());
         return text.empty() ? std::string("-") : text;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <cstring>
@@ -21,7 +22,7 @@ constexpr std::string_view style =
     ".scroll{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem}"
     "th,td{padding:.25rem .6rem;text-align:left;vertical-align:top;border-bottom:1px solid "
     "var(--grid)}"
-    "td:last-child{min-width:14rem}"
+    ".long:last-child{min-width:14rem}td:not(.long){white-space:nowrap}"
     ".box{padding:.8rem 1rem;border-left:.5rem solid;border-radius:.25rem;margin:1rem 0}"
     ".box b{font-size:1.15rem}.good{border-color:#009e73;background:var(--good)}"
     ".bad{border-color:#d55e00;background:var(--bad)}"
@@ -34,10 +35,14 @@ constexpr std::string_view style =
     "@media(prefers-color-scheme:dark){:root{--page:#161616;--good:#10382d;--bad:#47260f;"
     "--unknown:#2b2b2b}}";
 
-/// A number of four bytes in a PNG.
+/// Letters of a cell that stay on one line, as a number with its unit.
+constexpr std::size_t longest_unbroken = 20;
+
+/// A number of four bytes in a PNG; 0 where the file has ended.
 std::uint32_t number_at(std::string_view png, std::size_t at) {
     std::uint32_t number = 0;
-    for (const char c : png.substr(at, 4)) number = number << 8 | static_cast<unsigned char>(c);
+    for (const char c : png.substr(std::min(at, png.size()), 4))
+        number = number << 8 | static_cast<unsigned char>(c);
     return number;
 }
 
@@ -79,7 +84,9 @@ void HtmlPage::table(const std::vector<std::vector<std::string>>& rows,
                           : std::string("<tr>");
         const char* const cell = r == 0 ? "th" : "td";
         for (const std::string& text : rows[r])
-            body_ += fmt::format("<{}>{}</{}>", cell, escaped_for_html(text), cell);
+            body_ += fmt::format("<{}{}>{}</{}>", cell,
+                                 text.size() > longest_unbroken ? " class=\"long\"" : "",
+                                 escaped_for_html(text), cell);
         body_ += "</tr>\n";
     }
     body_ += "</table></div>\n";
