@@ -12,7 +12,7 @@ double load_band(double speed, const RailOnTies& rails) {
     constexpr double share = 0.99, interval = 1e-3; // s
     const InfluenceLine influence = rails.influence();
     const auto half = static_cast<std::size_t>(rails.reach() / speed / interval);
-    Fft fft(fast_length_for(2 * half + 1));
+    Fft fft(fast_length_for(8 * (2 * half + 1))); // with zeros, for narrow bins
     std::vector<double> load(fft.length(), 0);
     for (std::size_t k = 0; k <= 2 * half; ++k) {
         const double time = interval * (static_cast<double>(k) - static_cast<double>(half));
