@@ -23,7 +23,6 @@
 #include <deque>
 #include <map>
 #include <mosquitto.h>
-#include <mqtt_protocol.h>
 #include <mutex>
 #include <poll.h>
 #include <span>

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <mqtt_protocol.h>
 
 namespace bris {
 

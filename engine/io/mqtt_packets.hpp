@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <mosquitto.h>
 #include <string>
+#if !__has_include(<mosquitto/mqtt_protocol.h>) // since 2.1 it comes with mosquitto.h
+#include <mqtt_protocol.h>
+#endif
 
 namespace bris {
 

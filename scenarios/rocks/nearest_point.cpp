@@ -48,7 +48,7 @@ NearestPoint::~NearestPoint() = default;
 double NearestPoint::distance(const Vec3& position) const {
     Number nearest = 0;
     double squared = 0;
-    tree_->index.knnSearch(position.data(), 1, &nearest, &squared);
+    (void)tree_->index.knnSearch(position.data(), 1, &nearest, &squared);
     return std::sqrt(squared);
 }
 
