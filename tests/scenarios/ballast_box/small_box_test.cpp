@@ -189,7 +189,7 @@ TEST_SUITE("ballast_box") {
         SmallRun mixed(box, 1, folder.path());
         std::vector<Phase> phases = mixed.test.making_of_bed();
         std::vector<double> fines; // %, of what lies there as each lift begins to be compacted
-        for (const std::size_t compaction : {1, 3, 6})
+        for (const std::size_t compaction : std::initializer_list<std::size_t>{1, 3, 6})
             phases[compaction].begin = [&, begin = phases[compaction].begin](Simulation& s) {
                 begin(s);
                 fines.push_back(measure_fouling(s.world(), present_fouling(s.world())).p4);
