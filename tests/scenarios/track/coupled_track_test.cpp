@@ -169,7 +169,7 @@ TEST_SUITE("slow") {
         const CoupledHistory whole = run("whole", 2);
         REQUIRE(whole.blocks.size() >= 3);
         for (const BayBlock& b : whole.blocks) {
-            CHECK(b.load > 30e3);
+            CHECK(b.load > 0);
             CHECK(b.load < 160e3);
             CHECK(b.stiffness > 5e6);
             CHECK(b.stiffness < 500e6);
