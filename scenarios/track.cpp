@@ -281,20 +281,26 @@ void write_bays(const std::filesystem::path& csv, const StretchSettings& t,
               6);
 }
 
-/// Ten times the axles, by the law, with the ratio that the bays have shown.
+/// Ten times the axles, by the law, with the ratio that the bays have shown. Nothing of a track
+/// that has hardly begun to settle.
 void add_extrapolation(Report& summary, const TrackRun& given, const CoupledHistory& history,
                        double ratio, const Common& common) {
+    constexpr double fewest = 10; // axles
     const StretchState &last = history.states.back(),
                        &half = history.states[history.states.size() / 2];
     const double power =
         std::log(last.settled / half.settled) / std::log(last.cycles / half.cycles);
-    if (!(ratio > 0) || !(power > 0) || !std::isfinite(power)) return;
+    if (last.cycles < fewest || !(ratio > 0) || !(power > 0) || !std::isfinite(power)) return;
     SettlementLaw law = given.law;
     law.ratio = ratio;
     const double settled = last.settled * std::pow(10, power);
     summary.add("settlement_of_good_track_after_ten_times_the_axles_mm", 1e3 * settled);
     add_last(summary, given.stretch, settle_tracks(given, law, {settled}, common),
              "_after_ten_times_the_axles");
+    summary.show_sentence(fmt::format(
+        "What comes after ten times the axles follows from the law with the ratio of these bays, "
+        "and its bands from {} stretches with scatter.",
+        given.tracks));
 }
 
 void run_bays(const TrackRun& given, const Common& common) {
@@ -313,10 +319,8 @@ void run_bays(const TrackRun& given, const Common& common) {
     add_last(summary, given.stretch, all);
     add_extrapolation(summary, given, history, ratio, common);
     summary.show_sentence(fmt::format(
-        "One stretch with {} bays of ballast, of which {} are mud: other packings differ. What "
-        "comes after ten times the axles follows from the law with the ratio of these bays, and "
-        "its bands from {} stretches with scatter.",
-        given.bays, given.stretch.mud_ties, given.tracks));
+        "One stretch with {} bays of ballast, of which {} are mud: other packings differ.",
+        given.bays, given.stretch.mud_ties));
     write_ties(common.out / "ties.csv", given.stretch, all);
     write_bays(common.out / "bays.csv", given.stretch, history);
     draw(common.out / "track.png", given.stretch, all);
