@@ -93,10 +93,7 @@ struct TrackRun {
         option("mud_run", mud_run, "",
                "Run of table 1 of the report (ballast_box --run) to which mud bays belong; the "
                "options of fouling are theirs.");
-        option("fines", box.fines, "",
-               "mixed: fines and water lie in each lift before its compaction. filled: they come "
-               "into the voids of the finished bed.",
-               {"mixed", "filled"});
+        box.declare_fines_option(option);
         option("pad_stiffness", pad_stiffness, "N/m", "Of both pads of a tie.", within(1e6, 1e10));
         option("steps_per_cycle", box.steps_per_cycle, "", "Time steps for each axle.",
                within(200, 1e6));

@@ -37,12 +37,13 @@ struct BallastBox {
     std::string imu = "smartrock-like";
     double sampling_rate = 500;
     FoulingOptions fouling = {.settings = {.voxel = 0.01}};
-    std::string fines = "mixed"; ///< in; how they come into the bed
+    std::string fines = "mixed"; ///< how they come into the bed: mixed or filled
     WriteOption written = {};
 
     void declare_options(auto& option);
     // the groups of options, which other scenarios of the box share
     void declare_ballast_options(auto& option);
+    void declare_fines_option(auto& option);
     void declare_track_options(auto& option);
     void declare_simulation_options(auto& option);
 
@@ -156,10 +157,7 @@ void BallastBox::declare_options(auto& option) {
            "the full one.",
            within(0, 4));
     declare_ballast_options(option);
-    option("fines", fines, "",
-           "mixed: fines and water lie in each lift before its compaction. filled: they come into "
-           "the voids of the finished bed, so that states can be compared over one packing.",
-           {"mixed", "filled"});
+    declare_fines_option(option);
     option.group("Track");
     declare_track_options(option);
     option("series_compliance", series_compliance, "m/N",
@@ -205,6 +203,13 @@ void BallastBox::declare_ballast_options(auto& option) {
            "Factor on the stiffness of rocks while the ballast is poured and compacted.",
            within(1e-3, 1));
     fouling.declare_options(option);
+}
+
+void BallastBox::declare_fines_option(auto& option) {
+    option("fines", fines, "",
+           "mixed: fines and water lie in each lift before its compaction. filled: they come into "
+           "the voids of the finished bed, so that states can be compared over one packing.",
+           {"mixed", "filled"});
 }
 
 void BallastBox::declare_track_options(auto& option) {

@@ -140,8 +140,7 @@ RailOnTies TrackPassage::rails(const World& world) const {
     const double measured = world.resource<BoxState>().bed_stiffness,
                  bed = measured > 0 ? measured : usual_bed;
     return {.bending = box.rail_bending,
-            .tie_support =
-                box.tie_support > 0 ? box.tie_support : 1 / (1 / pad_stiffness + 1 / bed),
+            .tie_support = box.tie_support > 0 ? box.tie_support : in_series(pad_stiffness, bed),
             .spacing = tie_spacing,
             .tie_weight = weight_of_tie,
             .pad = pad_stiffness};

@@ -15,6 +15,9 @@ struct TieSupport {
     double gap = 0; ///< m, between bed and tie while the rail is straight; below 0: a high tie
 };
 
+/// N/m, of two springs in series; infinity stands for a rigid one.
+inline double in_series(double a, double b) { return 1 / (1 / a + 1 / b); }
+
 /// A load (N, downwards) at a place along the rail (m).
 struct RailLoad {
     double at, force;

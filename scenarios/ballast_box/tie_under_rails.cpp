@@ -24,16 +24,16 @@ double damping_above_tie(const RailOnTies& rails, double mass) {
     return 2 * damping_ratio * std::sqrt(stiffness_above_tie(rails) * mass);
 }
 
+} // namespace
+
 double height_of_tie(const World& world) {
     return world
         .column<Bodies, Position>()[row_of_body(world, world.resource<BoxBodies>().ties.front())]
         .z();
 }
 
-} // namespace
-
 double stiffness_above_tie(const RailOnTies& rails) {
-    return 1 / (1 / rails.stiffness_without_tie() + 1 / rails.pad);
+    return in_series(rails.stiffness_without_tie(), rails.pad);
 }
 
 double mass_of_tie(const World& world) {

@@ -25,6 +25,9 @@ void hang_tie(World& world, const RailOnTies& rails, double share, double gap);
 LoadHistory passing_load_of_hanging_tie(const Train& train, double speed, const RailOnTies& rails,
                                         double of_rails, double mass, double gravity = 9.81);
 
+/// m, of the middle of the tie of a bay or slice.
+double height_of_tie(const World& world);
+
 /// kg, mass of the tie of a bay, of the modelled part.
 double mass_of_tie(const World& world);
 

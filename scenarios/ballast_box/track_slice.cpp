@@ -4,6 +4,7 @@
 #include "engine/errors.hpp"
 #include "scenarios/ballast_box/load_turns.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
+#include "scenarios/ballast_box/tie_under_rails.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/scene.hpp"
 
@@ -27,7 +28,7 @@ std::vector<double> heights_of(const World& world) {
     std::vector<double> heights;
     for (const BoxSensor& sensor : bodies.sensors)
         heights.push_back(positions[row_of_body(world, sensor.body)].z());
-    heights.push_back(positions[row_of_body(world, bodies.ties.front())].z());
+    heights.push_back(height_of_tie(world));
     return heights;
 }
 

@@ -5,6 +5,7 @@
 #include "engine/resume.hpp"
 #include "scenarios/ballast_box/load_turns.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
+#include "scenarios/ballast_box/tie_under_rails.hpp"
 #include "scenarios/ballast_box/track_slice.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -34,13 +35,7 @@ void Bay::prepare(const ReportProgress& report) {
     phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
     for (Phase& phase : test_.seating()) phases.push_back(std::move(phase));
     run.go(phases);
-    std::filesystem::remove(common_.out / "bed.ckpt.h5"); // the store has it
-}
-
-double Bay::height() const {
-    const World& world = simulation_.world();
-    const EntityId tie = world.resource<BoxBodies>().ties.front();
-    return world.column<Bodies, Position>()[row_of_body(world, tie)].z();
+    std::filesystem::remove(common_.out / "bed.ckpt.h5"); // whoever wants it asks the store
 }
 
 void Bay::advance_turn() {
@@ -55,6 +50,7 @@ void Bay::advance_turn() {
 }
 
 double Bay::load(double force, unsigned axles) {
+    const auto height = [this] { return height_of_tie(simulation_.world()); };
     const double before = height(), least = dead_load;
     std::vector<double> turns{least};
     for (unsigned k = 0; k < axles; ++k) turns.insert(turns.end(), {force, least});
@@ -81,7 +77,7 @@ void Bay::save(const std::filesystem::path& path) const {
 void Bay::resume(const std::filesystem::path& path) {
     const Checkpoint from = checkpoint_to_resume(path, common_.scenario, common_.settings);
     if (from.state.find("fields/box") != nullptr) add_fields(simulation_, box_);
-    (void)bris::resume(simulation_, path, common_.scenario, common_.settings);
+    simulation_.restore(from.state);
     get_fields(from.state, numbers_path, std::tie(stiffness_));
 }
 

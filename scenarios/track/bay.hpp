@@ -24,7 +24,6 @@ public:
     void resume(const std::filesystem::path& checkpoint) override;
 
 private:
-    double height() const; ///< m, of the tie
     /// Half a load cycle.
     void advance_turn();
 

@@ -176,7 +176,7 @@ private:
 
     /// Pads in series with bed and subgrade as measured; ties without a bay as the good bays.
     void take_stiffness() {
-        const auto with_pads = [&](double bed) { return 1 / (1 / bed + 1 / track_.pad_stiffness); };
+        const auto with_pads = [&](double bed) { return in_series(bed, track_.pad_stiffness); };
         double sum = 0, bays = 0;
         for (std::size_t k = 0; k < bays_.size(); ++k)
             if (!track_.stretch.is_mud(ties_[k]) && bays_[k]->stiffness() > 0) {
@@ -250,10 +250,7 @@ private:
 
 } // namespace
 
-bool CoupledTrack::has_bay(std::size_t tie) const {
-    const std::size_t first = (stretch.ties - bays) / 2;
-    return tie >= first && tie < first + bays;
-}
+bool CoupledTrack::has_bay(std::size_t tie) const { return stretch.is_in_middle(tie, bays); }
 
 void check_coupled(const CoupledTrack& track) {
     const StretchSettings& s = track.stretch;

@@ -40,9 +40,9 @@ double even_load_on(const StretchSettings& s, std::size_t margin, double stiffne
 
 } // namespace
 
-bool StretchSettings::is_mud(std::size_t tie) const {
-    const std::size_t first = (ties - mud_ties) / 2;
-    return tie >= first && tie < first + mud_ties;
+bool StretchSettings::is_in_middle(std::size_t tie, unsigned count) const {
+    const std::size_t first = (ties - count) / 2;
+    return tie >= first && tie < first + count;
 }
 
 TrackStretch::TrackStretch(const StretchSettings& settings)

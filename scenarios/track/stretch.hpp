@@ -15,7 +15,9 @@ struct StretchSettings {
     double tie_support = 30e6, rail_bending = 1.58e7; ///< N/m, of a tie; N m2, of both rails
     double weight = 4.6e3;                            ///< N, of rails, fastenings and tie
 
-    bool is_mud(std::size_t tie) const;
+    /// Whether the tie is one of the `count` ties in the middle.
+    bool is_in_middle(std::size_t tie, unsigned count) const;
+    bool is_mud(std::size_t tie) const { return is_in_middle(tie, mud_ties); }
 };
 
 /// The stretch when a good track has settled by `settled`.
