@@ -27,7 +27,7 @@ BallastBox box_of_site(const BallastBox& middle, const SiteSpread& spread,
 
 /// What the members of an ensemble, and the site that they stand for, are made of.
 struct SiteDesign {
-    BallastBox box;
+    BallastBox box = {.fines = "filled"}; ///< a track in use is fouled when it is made
     SiteSpread spread = {};
     unsigned members = 16;
     unsigned packings = 4; ///< tried for a member before the ensemble is given up
