@@ -1,5 +1,6 @@
 #include "engine/assets.hpp"
 
+#include "engine/child_program.hpp"
 #include "engine/errors.hpp"
 
 #include <fmt/format.h>
@@ -21,8 +22,7 @@ fs::path& given_folder() {
 
 fs::path folder_beside_program() {
     std::error_code error;
-    const fs::path program = fs::read_symlink("/proc/self/exe", error);
-    const fs::path folder = program.parent_path(), beside = folder / "assets";
+    const fs::path folder = this_program().parent_path(), beside = folder / "assets";
     if (!fs::exists(beside, error)) // of PREFIX/bin, and of PREFIX/libexec/bris
         for (const char* shared : {"../share/bris/assets", "../../share/bris/assets"})
             if (fs::exists(folder / shared, error))

@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 
@@ -48,6 +49,11 @@ pid_t start(const std::vector<std::string>& words, const ChildProgram::Settings&
 }
 
 } // namespace
+
+std::filesystem::path this_program() {
+    std::error_code error;
+    return std::filesystem::read_symlink("/proc/self/exe", error);
+}
 
 ChildProgram::ChildProgram(const std::vector<std::string>& words, const Settings& settings)
     : cleanup_([this] { send(SIGTERM); }) {

@@ -3,11 +3,15 @@
 #include "engine/interrupt.hpp"
 
 #include <atomic>
+#include <filesystem>
 #include <string>
 #include <sys/types.h>
 #include <vector>
 
 namespace bris {
+
+/// The file of the program that runs; empty if the system does not say.
+std::filesystem::path this_program();
 
 /// A program in a process of its own. SIGTERM ends it with the object (SIGKILL, if that takes 20
 /// s), and where a request to stop ends this program.

@@ -483,6 +483,15 @@ std::vector<NamedValue> Options::values() const {
     return list;
 }
 
+std::vector<Options::Change> Options::changes() const {
+    std::vector<Change> list;
+    for (const Option& option : options_)
+        if (const std::string value = option.text(); value != option.initially)
+            list.push_back({flag(option.name), key_with_unit(option.name, option.unit), value,
+                            option.initially, option.help});
+    return list;
+}
+
 std::string key_with_unit(const std::string& name, const std::string& unit) {
     if (unit.empty() || unit == "-") return name;
     std::string suffix;

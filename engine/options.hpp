@@ -123,6 +123,12 @@ public:
     /// The current values of all members, in the order of their description; keys carry the unit.
     std::vector<NamedValue> values() const;
 
+    /// A member whose value is no longer its default; the values as a command line gives them.
+    struct Change {
+        std::string flag, key, value, initially, help;
+    };
+    std::vector<Change> changes() const;
+
 private:
     /// A value of an enumeration, as the index of its text among the choices of the option.
     struct Choice {

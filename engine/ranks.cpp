@@ -249,7 +249,7 @@ int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
                                      "odls_base_sigkill_timeout", "0", "--mca",
                                      "btl_vader_single_copy_mechanism", "none"};
     if (geteuid() == 0) command.emplace_back("--allow-run-as-root");
-    command.push_back(std::filesystem::read_symlink("/proc/self/exe").string());
+    command.push_back(this_program().string());
     command.insert(command.end(), arguments.begin(), arguments.end());
     // in a group of its own, because mpirun kills the ranks at Ctrl-C; it passes on SIGUSR1, at
     // which they save a checkpoint

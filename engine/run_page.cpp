@@ -146,13 +146,12 @@ std::string typed(const std::string& word) {
 void add_changes(HtmlPage& page, const Common& common) {
     page.heading("Settings that differ from the defaults");
     if (common.changes.empty()) return page.paragraph("None.");
-    Report::Table rows{{"option", "this run", "default", "key, with its unit"}};
-    const auto shown = [](const NamedValue& setting) {
-        const std::string text = printable(setting.text());
-        return text.empty() ? std::string("-") : text;
+    Report::Table rows{{"option", "this run", "default", "key, with its unit", "meaning"}};
+    const auto shown = [](const std::string& text) {
+        return text.empty() ? std::string("-") : printable(text);
     };
-    for (const auto& [given, initially] : common.changes)
-        rows.push_back({given.flag, shown(given), shown(initially), given.key});
+    for (const Options::Change& one : common.changes)
+        rows.push_back({one.flag, shown(one.value), shown(one.initially), one.key, one.help});
     page.table(rows);
 }
 

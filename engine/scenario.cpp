@@ -201,7 +201,6 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
     common.arguments.assign(argv + std::min(argc, 1), argv + argc);
     CommonFlags flags;
     flags.declare_options(options, common, info);
-    const std::vector<NamedValue> defaults = options.values();
     if (!parse_or_answer(options, common.arguments, info.name, info.description)) return false;
     refuse_flag("--resume", !common.resume.empty(), info.cannot_resume);
     refuse_flag("--explain", common.explain, info.cannot_explain);
@@ -210,10 +209,7 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
         throw OutputError(fmt::format("--resume: cannot read '{}'", common.resume.string()));
     require(common.assets.empty() || common.assets == assets_folder(),
             "--assets: expected on the command line, found in a configuration file");
-    const std::vector<NamedValue> given = options.values();
-    for (std::size_t k = 0; k < given.size(); ++k)
-        if (given[k].text() != defaults[k].text())
-            common.changes.emplace_back(given[k], defaults[k]);
+    common.changes = options.changes();
     for (const std::string& warning : options.warnings())
         say(fmt::format("{}: warning: {}", info.name, warning));
     count_ranks(common, flags.ranks, info);

@@ -32,8 +32,7 @@ struct Common {
     bool quiet = false;                 ///< print no progress
     std::vector<NamedValue> settings;   ///< every option with its value, for summary and run file
     std::vector<std::string> arguments; ///< as typed
-    /// Settings that differ from the defaults, as given, and the default.
-    std::vector<std::pair<NamedValue, NamedValue>> changes;
+    std::vector<Options::Change> changes; ///< settings that differ from the defaults
     std::filesystem::file_time_type began = std::filesystem::file_time_type::clock::now();
 };
 

@@ -1,6 +1,7 @@
 // The whole live system on one computer: a broker, the sample recordings as sensors and test
 // machine, the model that follows them, and the page that shows it.
 #include "engine/assets.hpp"
+#include "engine/child_program.hpp"
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/broker_client.hpp"
@@ -77,8 +78,7 @@ void pause(double seconds) {
 
 std::vector<std::string> words_of_model(const Demo& d, const Common& common,
                                         const std::string& broker) {
-    const auto program =
-        std::filesystem::read_symlink("/proc/self/exe").parent_path() / "live_triaxial";
+    const auto program = this_program().parent_path() / "live_triaxial";
     const std::string out = (common.out / "model").string();
     std::vector<std::string> words{program.string(),
                                    "--broker",

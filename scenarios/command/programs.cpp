@@ -27,8 +27,7 @@ std::vector<std::string> scenario_names() {
 }
 
 fs::path program_of(const std::string& scenario) {
-    std::error_code error;
-    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+    const fs::path here = this_program().parent_path();
     for (const char* folder : {".", "../libexec/bris", "../lib/bris"})
         if (const fs::path program = (here / folder / scenario).lexically_normal();
             access(program.c_str(), X_OK) == 0)

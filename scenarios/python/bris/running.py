@@ -88,8 +88,9 @@ def _outcome_of(words):
 
 
 def _command():
-    """The program bris: in the folder BRIS_BINARIES, of the build that this module belongs to, or along PATH."""
-    folders = [os.environ.get('BRIS_BINARIES'), Path(__file__).absolute().parents[2] / 'bin']
+    """The program bris: in the folder BRIS_BINARIES, of the wheel or the build that this module belongs to, or along PATH."""
+    here = Path(__file__).absolute()
+    folders = [os.environ.get('BRIS_BINARIES'), here.parent / 'bin', here.parents[2] / 'bin']
     found = [Path(folder) / 'bris' for folder in folders if folder and (Path(folder) / 'bris').is_file()]
     if not found and not (found := [shutil.which('bris')])[0]:
         raise OutputError('run: expected the program bris beside this module or along PATH, found none: scenarios/build')
