@@ -4,6 +4,7 @@
 #include "components/settings.hpp"
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"
+#include "engine/exact_sum.hpp"
 #include "engine/ordering.hpp"
 #include "scenarios/field_tests/grains.hpp"
 #include "scenarios/field_tests/shear_box.hpp"
@@ -69,16 +70,12 @@ struct Energies {
 /// potential energy; work of friction and dashpots.
 Energies energies_of(const World& world, const Quantities& q) {
     const Table& bodies = world.table<Bodies>();
-    const auto rows = rows_by_id(bodies.column<BodyId>());
     Energies e;
     const ElementWork elements = work_of_elements(world);
-    e.put_in = sum_by_id(rows, bodies.column<BoundaryWork>()) + elements.done +
-               sum_by_id(rows, bodies.column<ScalingWork>());
+    e.put_in = exact_sum(bodies.column<BoundaryWork>()) + elements.done +
+               exact_sum(bodies.column<ScalingWork>());
     e.lost = dissipated_in_contacts(world) + elements.lost;
-    e.stored = q.elastic_energy + q.kinetic_energy;
-    const auto mass = bodies.column<Mass>();
-    const auto position = bodies.column<Position>();
-    for (const Row r : rows) e.stored -= mass[r] * world.resource<Gravity>().value.dot(position[r]);
+    e.stored = q.elastic_energy + q.kinetic_energy + potential_energy(world);
     return e;
 }
 

@@ -2,6 +2,7 @@
 #include "components/material.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
+#include "engine/exact_sum.hpp"
 #include "engine/ordering.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/triaxial/specimen_state.hpp"
@@ -78,16 +79,12 @@ void TriaxialTest::add_stage() {
     const Quantities q = compute_quantities(world);
     p[unbalanced_ratio] = q.unbalanced_ratio;
     p[coordination_number] = q.coordination;
-    p[stored_energy] = q.elastic_energy;
-    if (settings_.gravity)
-        for (const Row r : rows)
-            p[stored_energy] -= bodies.column<Mass>()[r] *
-                                world.resource<Gravity>().value.dot(bodies.column<Position>()[r]);
+    p[stored_energy] = q.elastic_energy + potential_energy(world);
     p[kinetic_energy] = q.kinetic_energy;
-    p[boundary_work] = sum_by_id(rows, bodies.column<BoundaryWork>());
+    p[boundary_work] = exact_sum(bodies.column<BoundaryWork>());
     p[friction_work] = dissipated_in_contacts(world);
-    p[damping_work] = sum_by_id(rows, bodies.column<DampingWork>());
-    p[scaling_work] = sum_by_id(rows, bodies.column<ScalingWork>());
+    p[damping_work] = exact_sum(bodies.column<DampingWork>());
+    p[scaling_work] = exact_sum(bodies.column<ScalingWork>());
     p[steps] = static_cast<double>(s.phase_steps);
     const bool shears = s.phase == TriaxialPhase::shear && s.phase_steps > 0;
     const double rate =

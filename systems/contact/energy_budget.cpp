@@ -4,7 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/material.hpp"
 #include "components/pair.hpp"
-#include "engine/ordering.hpp"
+#include "engine/exact_sum.hpp"
 #include "systems/loads/table.hpp"
 
 namespace bris {
@@ -24,11 +24,10 @@ void add_energy_budget(World& world) {
 double dissipated_in_contacts(const World& world) {
     const Table& bodies = world.table<Bodies>();
     if (!bodies.has<FrictionWork>()) return 0;
-    const auto rows = rows_by_id(bodies.column<BodyId>());
-    const double springs = sum_by_id(rows, bodies.column<FrictionWork>()) +
-                           sum_by_id(rows, bodies.column<ViscousWork>()) +
-                           sum_by_id(rows, bodies.column<RollingWork>());
-    return bodies.has<WearWork>() ? springs + sum_by_id(rows, bodies.column<WearWork>()) : springs;
+    const double springs = exact_sum(bodies.column<FrictionWork>()) +
+                           exact_sum(bodies.column<ViscousWork>()) +
+                           exact_sum(bodies.column<RollingWork>());
+    return bodies.has<WearWork>() ? springs + exact_sum(bodies.column<WearWork>()) : springs;
 }
 
 } // namespace bris

@@ -1,6 +1,7 @@
 #include "systems/fusion/fuse.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/exact_sum.hpp"
 #include "engine/ordering.hpp"
 #include "engine/system.hpp"
 #include "engine/world.hpp"
@@ -376,9 +377,6 @@ void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const Iner
         [](Row, NudgingTarget&) {});
 }
 
-double fusion_work(const World& world) {
-    return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()),
-                     world.column<Bodies, FusionWork>());
-}
+double fusion_work(const World& world) { return exact_sum(world.column<Bodies, FusionWork>()); }
 
 } // namespace bris

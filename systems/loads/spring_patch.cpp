@@ -2,7 +2,7 @@
 
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"
-#include "engine/ordering.hpp"
+#include "engine/exact_sum.hpp"
 
 #include <fmt/format.h>
 
@@ -75,9 +75,9 @@ StepList SpringPatches::work_systems() {
 }
 
 double SpringPatches::energy(const World& world) {
-    double energy = 0;
-    for (const Row b : rows_by_id(world.column<Bodies, BodyId>())) energy += patch_energy(world, b);
-    return energy;
+    ExactSum energy;
+    for (Row b = 0; b < world.table<Bodies>().size(); ++b) energy.add(patch_energy(world, b));
+    return energy.value();
 }
 
 void SpringPatches::add_springs(const World& world, std::vector<BodySpring>& springs) {

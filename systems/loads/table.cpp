@@ -1,6 +1,6 @@
 #include "systems/loads/table.hpp"
 
-#include "engine/ordering.hpp"
+#include "engine/exact_sum.hpp"
 
 #include <algorithm>
 
@@ -36,13 +36,12 @@ void add_work_of_elements(World& world) {
 
 ElementWork work_of_elements(const World& world) {
     const Table& bodies = world.table<Bodies>();
-    const auto rows = rows_by_id(bodies.column<BodyId>());
     ElementWork work;
     for_each_element_of(world, [&]<class E>() {
         if constexpr (!std::is_void_v<typename E::Work>)
-            work.done += sum_by_id(rows, bodies.column<typename E::Work>());
+            work.done += exact_sum(bodies.column<typename E::Work>());
         if constexpr (!std::is_void_v<typename E::Loss>)
-            work.lost += sum_by_id(rows, bodies.column<typename E::Loss>());
+            work.lost += exact_sum(bodies.column<typename E::Loss>());
     });
     return work;
 }

@@ -5,7 +5,7 @@
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
-#include "engine/ordering.hpp"
+#include "engine/exact_sum.hpp"
 #include "systems/output/outer_force.hpp"
 
 #include <cmath>
@@ -59,15 +59,15 @@ Balance compute_balance(const World& world) {
         [&]<class Pairs>() { add_pairs<Pairs>(world, unit > 0 ? 1 / unit : 0, sums, balance); });
     const auto motion = world.column<Bodies, MotionOf>();
     const OuterForces outer(world);
-    double unbalanced = 0, total = 0;
-    for (const Row b : rows_by_id(world.column<Bodies, BodyId>())) {
+    ExactSum unbalanced, total;
+    for (Row b = 0; b < sums.size(); ++b) {
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
         ++balance.free_bodies;
         if (sums[b].contacts == 0) ++balance.idle_bodies;
-        unbalanced += (unit * sums[b].resultant() + outer(b)).norm();
-        total += unit * static_cast<double>(sums[b].total) + outer.magnitude(b);
+        unbalanced.add((unit * sums[b].resultant() + outer(b)).norm());
+        total.add(unit * static_cast<double>(sums[b].total) + outer.magnitude(b));
     }
-    if (total > 0) balance.unbalanced_ratio = unbalanced / total;
+    if (total.value() > 0) balance.unbalanced_ratio = unbalanced.value() / total.value();
     return balance;
 }
 

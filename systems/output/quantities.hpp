@@ -6,7 +6,7 @@
 
 namespace bris {
 
-/// Mechanical quantities of a scene, summed over bodies and contacts in the order of their ids. The
+/// Mechanical quantities of a scene, summed over bodies and contacts (ExactSum). The
 /// contacts are those at the beginning of the last step, so elastic energy is one step older than
 /// kinetic energy.
 struct Quantities {
@@ -37,6 +37,9 @@ struct Quantities {
 
 /// Computes the quantities of the world after the last step. Reads only.
 Quantities compute_quantities(const World& world);
+
+/// J, of the weights of all bodies, above the origin; 0 without gravity.
+double potential_energy(const World& world);
 
 /// Share of the contacts between grains that are at yield: the pressure of Hertz is the strength of
 /// their edges, and with it their friction does not change with the force. 0 without such edges.

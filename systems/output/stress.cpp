@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "engine/exact_sum.hpp"
 #include "engine/ordering.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/output/outer_force.hpp"
@@ -14,13 +15,21 @@ namespace bris {
 
 namespace {
 
-void add(AxisymmetricStress& sum, const Vec3& force, const Vec3& branch) {
-    sum.axial += force.z() * branch.z();
-    sum.radial += 0.5 * (force.x() * branch.x() + force.y() * branch.y());
-}
+struct StressSum {
+    ExactSum axial, radial;
+    void add(const Vec3& force, const Vec3& branch) {
+        axial.add(force.z() * branch.z());
+        radial.add(0.5 * (force.x() * branch.x() + force.y() * branch.y()));
+    }
+    AxisymmetricStress value() const { return {axial.value(), radial.value()}; }
+};
+
+struct StressSums {
+    StressSum contact, boundary;
+};
 
 template <class Pairs>
-void add_pairs(const World& world, const std::vector<Row>& rows, Stresses& s) {
+void add_pairs(const World& world, const RowIndex& rows, StressSums& s) {
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
     for_touching_pairs<Pairs>(world, [&](const TouchingPair& p) {
@@ -28,10 +37,10 @@ void add_pairs(const World& world, const std::vector<Row>& rows, Stresses& s) {
             point(p.force.px, p.force.py, p.force.pz);
         const Row owner = rows[p.names.owner], partner = rows[p.names.partner];
         if (motion[partner] == static_cast<std::uint32_t>(Motion::free)) {
-            add(s.contact, force, position[owner] - position[partner]);
+            s.contact.add(force, position[owner] - position[partner]);
         } else {
-            add(s.contact, force, position[owner] - point);
-            add(s.boundary, force, -point);
+            s.contact.add(force, position[owner] - point);
+            s.boundary.add(force, -point);
         }
     });
 }
@@ -46,16 +55,15 @@ double Stresses::mismatch() const {
 }
 
 Stresses compute_stresses(const World& world) {
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    Stresses s;
-    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, rows, s); });
+    const RowIndex rows(world.column<Bodies, BodyId>());
+    StressSums sums;
+    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, rows, sums); });
     const OuterForces outer(world);
-    if (!outer.any()) return s;
     const auto motion = world.column<Bodies, MotionOf>();
-    for (const Row r : rows)
+    for (Row r = 0; outer.any() && r < motion.size(); ++r)
         if (motion[r] == static_cast<std::uint32_t>(Motion::free))
-            add(s.boundary, outer(r), -world.column<Bodies, Position>()[r]);
-    return s;
+            sums.boundary.add(outer(r), -world.column<Bodies, Position>()[r]);
+    return {sums.contact.value(), sums.boundary.value()};
 }
 
 } // namespace bris
