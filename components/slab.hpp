@@ -1,9 +1,10 @@
 #pragma once
 
-#include "components/outlines.hpp"
+#include "components/outline.hpp"
 #include "engine/component.hpp"
 #include "engine/entity.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -36,6 +37,12 @@ struct GhostRows {
     std::vector<std::byte> sent, received; ///< messages of one step
 };
 
+/// Another slab that reaches to this one.
+struct NearSlab {
+    unsigned rank = 0;
+    Outline outline; ///< of its bodies
+};
+
 /// The slab of this rank: the bodies with spheres whose centres lie in it are computed here. Ghosts
 /// are the bodies of other slabs within reach of it. Boundaries are on all ranks.
 struct Slab {
@@ -43,19 +50,25 @@ struct Slab {
     int axis = 0;                  ///< along which the world is divided: 0, 1, 2 for x, y, z
     std::vector<double> cuts;      ///< m, ranks + 1, ascending; the outer ones are infinite
     unsigned rank = 0;             ///< of this process
-    Outlines outlines;             ///< of the bodies of each slab
+    Outline outline;               ///< of the bodies of this slab
+    std::vector<NearSlab> near;    ///< by rank; without this one
     Row first_ghost = 0;           ///< the rows of Bodies from here on are ghosts
     std::vector<GhostRows> ghosts; ///< by rank; only those with which bodies are shared
 
-    std::size_t owner_of(double x) const {
-        std::size_t rank_of = 0;
-        while (rank_of + 2 < cuts.size() && !(x < cuts[rank_of + 1])) ++rank_of;
-        return rank_of;
+    unsigned ranks() const { return static_cast<unsigned>(cuts.size() - 1); }
+    unsigned owner_of(double x) const {
+        return static_cast<unsigned>(std::upper_bound(cuts.begin() + 1, cuts.end() - 1, x) -
+                                     (cuts.begin() + 1));
     }
-    /// Whether a slab needs a body: its own ones, and those that may touch one of them before new
-    /// lists are made. `reach`: its bounding radius and outer skin (m).
-    bool needs(std::size_t of_rank, const Vec3& x, double reach) const {
-        return owner_of(x[axis]) == of_rank || outlines.may_touch(of_rank, x, reach);
+    /// Calls visit(rank) for the slabs that need a body: its own one, and those with bodies that it
+    /// may touch before new lists are made. `reach`: its bounding radius and outer skin (m).
+    template <class Visit>
+    void for_slabs_that_need(const Vec3& x, double reach, Visit&& visit) const {
+        const unsigned owner = owner_of(x[axis]);
+        visit(owner);
+        if (rank != owner && outline.may_touch(x, reach)) visit(rank);
+        for (const NearSlab& slab : near)
+            if (slab.rank != owner && slab.outline.may_touch(x, reach)) visit(slab.rank);
     }
 };
 

@@ -26,6 +26,24 @@ std::vector<Row> rows_by_id(std::span<const EntityId> ids) {
     return rows;
 }
 
+RowIndex::RowIndex(std::span<const EntityId> ids) {
+    constexpr std::size_t sparse = 4; // times as many numbers as ids
+    if (ids.empty()) return;
+    const auto [low, high] = std::ranges::minmax(ids);
+    if (const std::size_t numbers = std::size_t{high} - low + 1; numbers <= sparse * ids.size()) {
+        lowest_ = low;
+        rows_.assign(numbers, no_row);
+        for (Row r = 0; r < ids.size(); ++r) rows_[ids[r] - low] = r;
+        return;
+    }
+    slots_.resize(2 * ids.size());
+    for (Row r = 0; r < ids.size(); ++r) {
+        std::size_t k = slot(ids[r]);
+        while (slots_[k].row != no_row) k = (k + 1) % slots_.size();
+        slots_[k] = {ids[r], r};
+    }
+}
+
 std::vector<Row> all_rows(std::size_t n) {
     std::vector<Row> rows(n);
     std::iota(rows.begin(), rows.end(), Row{0});

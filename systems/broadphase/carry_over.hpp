@@ -1,9 +1,9 @@
 #pragma once
 
+#include "engine/ordering.hpp"
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
 
-#include <algorithm>
 #include <functional>
 #include <span>
 #include <vector>
@@ -14,21 +14,22 @@ namespace bris::detail {
 template <class History>
 class Kept {
 public:
-    /// Copies the history of pairs that have any. `bodies`: number of body ids.
-    Kept(const Table& table, std::size_t bodies) {
+    /// Copies the history of pairs that have any. `row_of`: of each of the `bodies`, by id.
+    Kept(const Table& table, const RowIndex& row_of, std::size_t bodies) {
         if (!table.has<History>()) return;
         const auto names = table.column<PairKey>();
         const auto values = table.column<History>();
         first_.assign(bodies + 1, 0);
         for_owners(names, [&](EntityId owner, std::size_t begin, std::size_t end) {
+            const Row row = row_of[owner];
             for (std::size_t r = begin; r < end; ++r)
-                if (History::keep(values[r])) ++first_[owner + 1];
+                if (History::keep(values[r])) ++first_[row + 1];
         });
         for (std::size_t b = 0; b < bodies; ++b) first_[b + 1] += first_[b];
         names_.resize(first_.back());
         values_.resize(first_.back());
         for_owners(names, [&](EntityId owner, std::size_t begin, std::size_t end) {
-            Row next = first_[owner];
+            Row next = first_[row_of[owner]];
             for (std::size_t r = begin; r < end; ++r) {
                 if (!History::keep(values[r])) continue;
                 names_[next] = names[r];
@@ -37,15 +38,15 @@ public:
         });
     }
 
-    /// History of the pair of that name, or zero. `cursor` starts at first(owner); each call
-    /// advances it, so names must be asked for in ascending order.
-    typename History::Value find(const PairNames& names, Row& cursor) const {
-        const Row end = first_[names.owner + 1];
+    /// History of the pair of that name of the body in row `owner`, or zero. `cursor` starts at
+    /// first(owner); each call advances it, so names must be asked for in ascending order.
+    typename History::Value find(const PairNames& names, std::size_t owner, Row& cursor) const {
+        const Row end = first_[owner + 1];
         while (cursor < end && names_[cursor] < names) ++cursor;
         return cursor < end && names_[cursor] == names ? values_[cursor]
                                                        : typename History::Value{};
     }
-    Row first(EntityId owner) const { return first_[owner]; }
+    Row first(std::size_t owner) const { return first_[owner]; }
 
 private:
     /// Calls body(owner, begin, end) for the rows of each owner, which are contiguous and sorted,
@@ -64,7 +65,7 @@ private:
             }
         });
     }
-    std::vector<Row> first_; // by owner's id
+    std::vector<Row> first_; // by the owner's row
     std::vector<PairNames> names_;
     std::vector<typename History::Value> values_;
 };
@@ -78,8 +79,9 @@ void give_back(Table& table, const Kept<History>& kept, const std::vector<Row>& 
     for_chunks(first.size() - 1, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b) {
             if (first[b] == first[b + 1]) continue;
-            Row cursor = kept.first(names[first[b]].owner);
-            for (Row r = first[b]; r < first[b + 1]; ++r) values[r] = kept.find(names[r], cursor);
+            Row cursor = kept.first(b);
+            for (Row r = first[b]; r < first[b + 1]; ++r)
+                values[r] = kept.find(names[r], b, cursor);
         }
     });
 }
@@ -91,10 +93,10 @@ void replace_pairs(World& world, const ChunkLists<Entry>& found, const std::vect
                    ToCandidate&& candidate = {}) {
     Table& table = world.table<Pairs>();
     const auto ids = world.column<Bodies, BodyId>();
-    const std::size_t count = ids.empty() ? 0 : std::size_t{*std::ranges::max_element(ids)} + 1;
-    const Kept<Spring> springs(table, count);
-    const Kept<Roll> rolls(table, count);
-    const Kept<Worn> worn(table, count);
+    const RowIndex row_of(ids);
+    const Kept<Spring> springs(table, row_of, ids.size());
+    const Kept<Roll> rolls(table, row_of, ids.size());
+    const Kept<Worn> worn(table, row_of, ids.size());
     table.resize(0);
     table.resize(found.size());
     const auto names = table.column<PairKey>();

@@ -13,7 +13,7 @@ namespace bris::detail {
 namespace {
 
 template <class Boundary>
-void find_hosts(World& world, std::span<const Row> row_of) {
+void find_hosts(World& world, const RowIndex& row_of) {
     if (!world.has<Boundary>()) return;
     const auto host = world.column<Boundary, HostId>();
     const auto row = world.column<Boundary, HostRow>();
@@ -38,7 +38,7 @@ void find_runs(World& world) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
     const auto run = bodies.column<SpheresOf>();
     const auto parent = spheres.column<ParentId>();
-    const auto row_of = rows_by_id(bodies.column<BodyId>());
+    const RowIndex row_of(bodies.column<BodyId>());
     for_rows(run.size(), [&](Row b) { run[b] = {}; });
     for_rows(parent.size(), [&](Row k) {
         if (k > 0 && parent[k] == parent[k - 1]) return; // not the first of its body

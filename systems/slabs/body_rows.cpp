@@ -5,6 +5,7 @@
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
+#include "engine/ordering.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -16,10 +17,11 @@ namespace bris::detail {
 
 namespace {
 
-/// The rows of a pair table that have a history, by the id of their owner.
+/// The rows of a pair table that have a history, by the row of their owner.
 class PairsOfOwners {
 public:
-    PairsOfOwners(const Table& pairs, std::size_t ids) : first_(ids + 1, 0) {
+    PairsOfOwners(const Table& pairs, const RowIndex& row_of, std::size_t bodies)
+        : first_(bodies + 1, 0) {
         std::vector<const Column*> histories;
         for (const auto& column : pairs.columns())
             if (column->type().keep != nullptr) histories.push_back(column.get());
@@ -32,13 +34,13 @@ public:
         std::vector<Row> kept;
         for (Row r = 0; r < names.size(); ++r)
             if (has_history(r)) kept.push_back(r);
-        for (const Row r : kept) ++first_[names[r].owner + 1];
+        for (const Row r : kept) ++first_[row_of[names[r].owner] + 1];
         std::partial_sum(first_.begin(), first_.end(), first_.begin());
         rows_.resize(kept.size());
         std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-        for (const Row r : kept) rows_[next[names[r].owner]++] = r;
+        for (const Row r : kept) rows_[next[row_of[names[r].owner]]++] = r;
     }
-    std::span<const Row> of(EntityId owner) const {
+    std::span<const Row> of(Row owner) const {
         return {rows_.data() + first_[owner], first_[owner + 1] - first_[owner]};
     }
 
@@ -46,11 +48,6 @@ private:
     std::vector<std::size_t> first_;
     std::vector<Row> rows_;
 };
-
-std::size_t ids_of(const World& world) {
-    const auto ids = world.column<Bodies, BodyId>();
-    return ids.empty() ? 0 : std::size_t{*std::ranges::max_element(ids)} + 1;
-}
 
 std::vector<Row> spheres_of(const World& world, std::span<const Row> bodies) {
     const auto run = world.column<Bodies, SpheresOf>();
@@ -62,11 +59,11 @@ std::vector<Row> spheres_of(const World& world, std::span<const Row> bodies) {
 
 template <class Pairs>
 std::vector<Row> pairs_of(const World& world, std::span<const Row> bodies) {
-    const PairsOfOwners pairs(world.table<Pairs>(), ids_of(world));
     const auto id = world.column<Bodies, BodyId>();
+    const PairsOfOwners pairs(world.table<Pairs>(), RowIndex(id), id.size());
     std::vector<Row> rows;
     for (const Row b : bodies)
-        for (const Row r : pairs.of(id[b])) rows.push_back(r);
+        for (const Row r : pairs.of(b)) rows.push_back(r);
     return rows;
 }
 
@@ -99,8 +96,7 @@ public:
                 std::memcpy(column->bytes() + first * type.value_size,
                             take(count * type.value_size), count * type.value_size);
     }
-    /// `row_of`: row of each id.
-    void overwrite(Table& table, std::span<const Row> row_of) {
+    void overwrite(Table& table, const RowIndex& row_of) {
         const std::size_t count = number();
         std::vector<const std::byte*> from; // of each State column
         std::vector<EntityId> ids(count);
@@ -138,11 +134,13 @@ private:
 
 std::vector<Row> bodies_of(const World& world, bool with_spheres) {
     const auto ids = world.column<Bodies, BodyId>();
-    std::vector<bool> has_spheres(ids_of(world), false);
-    for (const EntityId parent : world.column<Spheres, ParentId>()) has_spheres[parent] = true;
+    const RowIndex row_of(ids);
+    std::vector<bool> has_spheres(ids.size(), false);
+    for (const EntityId parent : world.column<Spheres, ParentId>())
+        has_spheres[row_of[parent]] = true;
     std::vector<Row> rows;
     for (Row b = 0; b < ids.size(); ++b)
-        if (has_spheres[ids[b]] == with_spheres) rows.push_back(b);
+        if (has_spheres[b] == with_spheres) rows.push_back(b);
     return rows;
 }
 
@@ -183,9 +181,7 @@ void append_bodies(World& world, const Ranks::Bytes& packed) {
 void overwrite_bodies(World& world, const Ranks::Bytes& packed) {
     if (packed.empty()) return;
     Unpacker from(packed);
-    const auto ids = world.column<Bodies, BodyId>();
-    std::vector<Row> row_of(ids_of(world));
-    for (Row r = 0; r < ids.size(); ++r) row_of[ids[r]] = r;
+    const RowIndex row_of(world.column<Bodies, BodyId>());
     from.overwrite(world.table<Bodies>(), row_of);
     for_pair_tables(world, [&]<class Pairs>() { from.append_to(world.table<Pairs>()); });
 }

@@ -27,8 +27,12 @@ Work work_of_ranks(const World& part, int axis);
 /// Cuts of slabs with nearly equal work; ranks + 1, of which the outer ones are infinite.
 std::vector<double> even_cuts(const Work& work, unsigned ranks);
 
-/// Adds the bodies with spheres of a world to the outlines of their slabs. `ghost`: as above.
-void add_to_outlines(Slab& slab, const World& world, std::span<const std::uint32_t> ghost);
+/// Adds the bodies of its slab to the outline of this rank.
+void outline_own_slab(Slab& slab, const World& whole);
+
+/// Brings the outlines of this slab and of the near ones up to date after new cuts, while bodies
+/// are still where they were computed. All ranks call it; each hears from its neighbours only.
+void share_outlines(Slab& slab, const World& part);
 
 /// The sum of bounding radius and outer skin (m) of each body.
 class Reach {

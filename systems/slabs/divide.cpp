@@ -67,25 +67,28 @@ std::vector<unsigned> ranks_of_bodies(const World& whole) {
     const Slab slab = slab_of_this_rank(whole, high - low);
     std::vector<unsigned> ranks;
     for (const Vec3& x : whole.column<Bodies, Position>())
-        ranks.push_back(static_cast<unsigned>(slab.owner_of(x[slab.axis])));
+        ranks.push_back(slab.owner_of(x[slab.axis]));
     return ranks;
 }
 
 World take_slab(const World& whole) {
     const auto [low, high] = box_of_grains(whole);
     Slab slab = slab_of_this_rank(whole, high - low);
-    slab.outlines = Outlines(Ranks::size(), slab.axis, low, high);
-    detail::add_to_outlines(slab, whole, {});
+    slab.outline = Outline(slab.axis, low, high);
+    detail::outline_own_slab(slab, whole);
     std::vector<Row> here;
     const auto position = whole.column<Bodies, Position>();
     const detail::Reach reach(whole);
     const auto run = whole.column<Bodies, SpheresOf>();
     for (Row b = 0; b < run.size(); ++b)
-        if (run[b].count > 0 && slab.needs(slab.rank, position[b], reach[b])) here.push_back(b);
+        if (run[b].count > 0 && (slab.owner_of(position[b][slab.axis]) == slab.rank ||
+                                 slab.outline.may_touch(position[b], reach[b])))
+            here.push_back(b);
     World part = detail::copy_of_bodies(whole, here);
     part.table<Bodies>().add<Ghost>();
     part.add_resource(std::move(slab));
     detail::mark_ghosts(part);
+    detail::share_outlines(part.resource<Slab>(), part);
     part.resource<ListState>().stale = true;
     part.resource<ListState>().brief = false;
     return part;

@@ -35,19 +35,17 @@ void agree_on_lists(const Slab&, ListState& lists, Health& health) {
 
 void exchange_bodies(Slab& slab, World& world) {
     if (!world.resource<ListState>().stale || world.resource<Health>().bad) return;
-    slab.cuts = detail::even_cuts(detail::work_of_ranks(world, slab.axis),
-                                  static_cast<unsigned>(slab.cuts.size() - 1));
+    slab.cuts = detail::even_cuts(detail::work_of_ranks(world, slab.axis), slab.ranks());
+    detail::share_outlines(slab, world);
     const auto ghost = world.column<Bodies, Ghost>();
-    slab.outlines.clear();
-    detail::add_to_outlines(slab, world, ghost);
-    Ranks::largest(slab.outlines.extents());
     const auto run = world.column<Bodies, SpheresOf>();
     const auto position = world.column<Bodies, Position>();
     const detail::Reach reach(world);
-    std::vector<std::vector<Row>> near(slab.cuts.size() - 1); // own bodies, by rank
+    std::vector<std::vector<Row>> near(slab.ranks()); // own bodies, by rank
     for (Row b = 0; b < run.size(); ++b)
-        for (unsigned r = 0; ghost[b] == 0 && run[b].count > 0 && r < near.size(); ++r)
-            if (slab.needs(r, position[b], reach[b])) near[r].push_back(b);
+        if (ghost[b] == 0 && run[b].count > 0)
+            slab.for_slabs_that_need(position[b], reach[b],
+                                     [&](unsigned r) { near[r].push_back(b); });
     std::vector<Ranks::Bytes> to(near.size());
     for (unsigned r = 0; r < near.size(); ++r)
         if (r != slab.rank && !near[r].empty()) to[r] = detail::pack_bodies(world, near[r]);

@@ -52,13 +52,17 @@ void list_ghosts(Rows<Bodies, const BodyId, const Position, const BoundingRadius
     const detail::Reach reach(bodies.column<BoundingRadius>(), bodies.column<OuterSkin>());
     const SphereRun* run = bodies.column<SpheresOf>();
     const std::uint32_t* ghost = bodies.column<Ghost>();
-    std::vector<GhostRows> with(slab.cuts.size() - 1);
+    std::vector<GhostRows> with(slab.ranks());
     slab.first_ghost = static_cast<Row>(std::find(ghost, ghost + bodies.size(), 1u) - ghost);
     for (Row b = 0; b < bodies.size(); ++b) {
         if (run[b].count == 0) continue;
-        if (ghost[b] != 0) with[slab.owner_of(position[b][slab.axis])].receive.push_back(b);
-        for (unsigned r = 0; ghost[b] == 0 && r < with.size(); ++r)
-            if (r != slab.rank && slab.needs(r, position[b], reach[b])) with[r].send.push_back(b);
+        if (ghost[b] != 0) {
+            with[slab.owner_of(position[b][slab.axis])].receive.push_back(b);
+            continue;
+        }
+        slab.for_slabs_that_need(position[b], reach[b], [&](unsigned r) {
+            if (r != slab.rank) with[r].send.push_back(b);
+        });
     }
     slab.ghosts.clear();
     for (unsigned r = 0; r < with.size(); ++r) {

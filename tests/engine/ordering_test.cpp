@@ -73,5 +73,23 @@ TEST_SUITE("engine/ordering") {
         CHECK(path / 511 < 2);
     }
 
+    TEST_CASE("the row of an id is found among ids without gaps, with gaps, and at the limits") {
+        Random random(5, 0);
+        for (const EntityId apart : {1u, 3u, 1000u, 4'000'000u}) {
+            CAPTURE(apart);
+            std::vector<EntityId> ids;
+            for (EntityId k = 0; k < 1000; ++k) ids.push_back(7 + k * apart);
+            if (apart > 1000) ids.push_back(nobody);
+            for (std::size_t i = ids.size(); i > 1; --i)
+                std::swap(ids[i - 1], ids[random.bits() % i]);
+            const RowIndex row_of(ids);
+            for (Row r = 0; r < ids.size(); ++r) REQUIRE(row_of[ids[r]] == r);
+            for (const EntityId absent : {0u, 6u, 8u + 1000 * apart})
+                CHECK(row_of[absent] == no_row);
+            CHECK((row_of[8] == no_row) == (apart > 1));
+        }
+        CHECK(RowIndex({})[3] == no_row);
+    }
+
     TEST_CASE("no positions give an empty order") { CHECK(morton_order({}, {}, 1).empty()); }
 }
