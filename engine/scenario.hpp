@@ -26,12 +26,12 @@ struct Common {
     unsigned threads = 0;         ///< at least 1 when the scenario runs; of each rank
     unsigned ranks = 1;           ///< processes of this run (Ranks)
     std::uint64_t seed = 1;
-    std::uint64_t memory_limit = 0;     ///< bytes; 0: no limit
-    bool explain = false;               ///< print the schedule and simulate nothing
-    bool serial = false;                ///< run the systems in order, with the same result
-    bool quiet = false;                 ///< print no progress
-    std::vector<NamedValue> settings;   ///< every option with its value, for summary and run file
-    std::vector<std::string> arguments; ///< as typed
+    std::uint64_t memory_limit = 0;       ///< bytes; 0: no limit
+    bool explain = false;                 ///< print the schedule and simulate nothing
+    bool serial = false;                  ///< run the systems in order, with the same result
+    bool quiet = false;                   ///< print no progress
+    std::vector<NamedValue> settings;     ///< every option with its value, for summary and run file
+    std::vector<std::string> arguments;   ///< as typed
     std::vector<Options::Change> changes; ///< settings that differ from the defaults
     std::filesystem::file_time_type began = std::filesystem::file_time_type::clock::now();
 };

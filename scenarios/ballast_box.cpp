@@ -255,9 +255,7 @@ void run(const BallastBox& box, const Common& common) {
     const BoxBed bed(simulation, common, settings_after_bed(box, common));
     bed.begin(run, simulation, box, {"cycles"});
     FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings, box.written.extras());
-    std::vector<Phase> phases = test.making_of_bed();
-    phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
-    for (Phase& phase : test.seating()) phases.push_back(std::move(phase));
+    std::vector<Phase> phases = test.preparation(save_bed(run, [&bed] { bed.keep(); }));
     StepCount before_loading; // of this process
     std::vector<Vec3> at_beginning;
     std::string since = "since the run was resumed";

@@ -8,6 +8,7 @@
 #include "engine/io/whole_file.hpp"
 #include "engine/message.hpp"
 #include "engine/report.hpp"
+#include "engine/signal/median.hpp"
 #include "engine/stopwatch.hpp"
 #include "scenarios/ensemble/checkpointed_run.hpp"
 #include "scenarios/ensemble/compared_curves.hpp"
@@ -409,15 +410,12 @@ void LiveRun::report() {
     if (records_ == 0)
         say("live_triaxial: warning: no record of the stream could be used; quality_control.txt "
             "says why");
-    const auto quantile = [](std::vector<double> times, double share) {
-        std::ranges::sort(times);
-        return times.empty()
-                   ? std::nan("")
-                   : times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
+    const auto quantile_of = [](const std::vector<double>& times, double share) {
+        return times.empty() ? std::nan("") : quantile(times, share);
     };
-    summary.add("latency_median_s", quantile(latencies_, 0.5));
-    summary.add("latency_95_percent_s", quantile(latencies_, 0.95));
-    summary.add("latency_largest_s", quantile(latencies_, 1));
+    summary.add("latency_median_s", quantile_of(latencies_, 0.5));
+    summary.add("latency_95_percent_s", quantile_of(latencies_, 0.95));
+    summary.add("latency_largest_s", quantile_of(latencies_, 1));
     if (const TestPrediction& last = prediction_->last(); last.not_used.empty()) {
         summary.add("library_friction", last.predicted.friction.value);
         summary.add("library_friction_low", last.predicted.friction.low);
@@ -431,8 +429,8 @@ void LiveRun::report() {
                         ring_difference(rings.mean, there) /
                             ring_difference(rings.scaled_mean, there));
         }
-        summary.add("library_update_median_s", quantile(prediction_->times(), 0.5));
-        summary.add("library_update_largest_s", quantile(prediction_->times(), 1));
+        summary.add("library_update_median_s", quantile_of(prediction_->times(), 0.5));
+        summary.add("library_update_largest_s", quantile_of(prediction_->times(), 1));
     }
     show_answers(summary, measured);
     report_results(common_, summary);

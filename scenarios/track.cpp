@@ -7,6 +7,7 @@
 #include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "engine/scenario.hpp"
+#include "engine/signal/median.hpp"
 #include "scenarios/track/coupled_track.hpp"
 
 #include <fmt/format.h>
@@ -117,22 +118,15 @@ struct Band {
     double low, median, high;
 };
 
-Band band_of(std::vector<double> values) {
-    std::ranges::sort(values);
-    const auto at = [&](double part) {
-        const double x = part * (static_cast<double>(values.size()) - 1);
-        const auto k = static_cast<std::size_t>(x);
-        const double next = values[std::min(k + 1, values.size() - 1)];
-        return values[k] + (x - static_cast<double>(k)) * (next - values[k]);
-    };
-    return {at(0.025), at(0.5), at(0.975)};
+Band band_of(const std::vector<double>& values) {
+    return {quantile(values, 0.025), quantile(values, 0.5), quantile(values, 0.975)};
 }
 
 Band band_over(const std::vector<History>& all, std::size_t record,
                const std::function<double(const StretchState&)>& number) {
     std::vector<double> values;
     for (const History& history : all) values.push_back(number(history[record]));
-    return band_of(std::move(values));
+    return band_of(values);
 }
 
 /// What is asked of a stretch.

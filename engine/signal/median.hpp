@@ -15,6 +15,15 @@ inline double median(std::vector<double> values) {
     return *middle;
 }
 
+/// Value below which a share (0 to 1) of at least one value lies, between two values in proportion.
+inline double quantile(std::vector<double> values, double share) {
+    std::ranges::sort(values);
+    const double at = share * static_cast<double>(values.size() - 1);
+    const auto k = static_cast<std::size_t>(at);
+    const double next = values[std::min(k + 1, values.size() - 1)];
+    return values[k] + (at - static_cast<double>(k)) * (next - values[k]);
+}
+
 /// Median of each component.
 inline Vec3 median(const std::vector<Vec3>& values) {
     Vec3 middle;

@@ -119,8 +119,9 @@ std::vector<Phase> BoxTestRun::changes_in_use() const {
     return phases;
 }
 
-std::vector<Phase> BoxTestRun::preparation() const {
+std::vector<Phase> BoxTestRun::preparation(std::optional<Phase> save) const {
     std::vector<Phase> phases = making_of_bed();
+    if (save) phases.push_back(*std::move(save));
     for (Phase& phase : seating()) phases.push_back(std::move(phase));
     return phases;
 }

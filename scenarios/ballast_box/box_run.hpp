@@ -7,6 +7,7 @@
 #include "systems/loads/load.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace bris {
@@ -23,7 +24,8 @@ public:
     /// Fines and water are put into the bed, the ties are seated, the shoulder is removed, as far
     /// as the run asks for it.
     std::vector<Phase> seating() const;
-    std::vector<Phase> preparation() const; ///< both
+    /// Both, and between them `save`.
+    std::vector<Phase> preparation(std::optional<Phase> save = {}) const;
     /// The ties are laid on the bed and loaded, until all is at rest.
     Phase seat() const;
     /// Fines, water and the loss of the shoulder come to a track that is in use.

@@ -31,11 +31,9 @@ void Bay::prepare(const ReportProgress& report) {
     Run run(simulation_, common_, "bay", report);
     const BoxBed bed(simulation_, common_, settings_of_state(box_, common_));
     bed.begin(run, simulation_, box_, {});
-    std::vector<Phase> phases = test_.making_of_bed();
-    phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
-    for (Phase& phase : test_.seating()) phases.push_back(std::move(phase));
-    run.go(phases);
-    std::filesystem::remove(common_.out / "bed.ckpt.h5"); // whoever wants it asks the store
+    run.go(test_.preparation(save_bed(run, [&bed] { bed.keep(); })));
+    for (const char* file : {"bed.ckpt.h5", "bay.ckpt.h5"}) // whoever wants them asks the store
+        std::filesystem::remove(common_.out / file);
 }
 
 void Bay::advance_turn() {
