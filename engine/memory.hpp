@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 namespace bris {
@@ -9,12 +10,17 @@ namespace bris {
 /// group (a container) if that is less.
 std::uint64_t machine_memory();
 
+/// The least limit (bytes) of the control groups in which this process is, and of those around
+/// them; the largest number if there is none. `root`: of the file system.
+std::uint64_t memory_of_groups(const std::filesystem::path& root);
+
 /// Bytes of memory that this process has used at most; 0 if the system does not say.
 std::uint64_t largest_memory();
 
-/// Bytes of data that a process reserves before a scene exists, much of which it never touches, and
-/// bytes per thread.
-inline constexpr double bytes_of_process = 1.4e8, bytes_of_thread = 4e6;
+/// Bytes of data that a process reserves without a scene, much of which it never touches: what its
+/// libraries had reserved when this was first called, and what they will.
+double bytes_of_process();
+inline constexpr double bytes_of_thread = 4e6;
 
 /// Makes every allocation fail that would take the data of the process beyond `bytes`; 0: no limit.
 /// Throws InputError if the limit cannot be set or is too small for `threads` threads to start.

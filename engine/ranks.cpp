@@ -164,10 +164,14 @@ void Ranks::meet() {
     wait_for(request);
 }
 
-std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) {
-    const unsigned here = rank();
-    std::vector<std::uint64_t> sent(to.size()), received(to.size());
-    for (std::size_t r = 0; r < to.size(); ++r) sent[r] = to[r].size();
+namespace {
+
+/// `to(rank)`: what this one sends to a rank.
+template <class To>
+std::vector<Ranks::Bytes> exchange_with(To&& to) {
+    const unsigned here = Ranks::rank(), ranks = Ranks::size();
+    std::vector<std::uint64_t> sent(ranks), received(ranks);
+    for (unsigned r = 0; r < ranks; ++r) sent[r] = to(r).size();
     received = sent;
     if (runs()) {
         std::vector<MPI_Request> request(1);
@@ -175,18 +179,28 @@ std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) {
                       MPI_COMM_WORLD, request.data());
         wait_for(request);
     }
-    std::vector<Bytes> from(to.size());
-    from[here] = to[here];
-    std::vector<Message> send, receive;
-    for (unsigned r = 0; r < to.size(); ++r) {
+    std::vector<Ranks::Bytes> from(ranks);
+    from[here] = to(here);
+    std::vector<Ranks::Message> send, receive;
+    for (unsigned r = 0; r < ranks; ++r) {
         if (r == here) continue;
         from[r].resize(received[r]);
         // MPI only reads what is sent
-        if (sent[r] > 0) send.push_back({r, {const_cast<std::byte*>(to[r].data()), to[r].size()}});
+        if (sent[r] > 0) send.push_back({r, {const_cast<std::byte*>(to(r).data()), to(r).size()}});
         if (received[r] > 0) receive.push_back({r, from[r]});
     }
-    pass(send, receive);
+    Ranks::pass(send, receive);
     return from;
+}
+
+} // namespace
+
+std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) {
+    return exchange_with([&](unsigned r) -> const Bytes& { return to[r]; });
+}
+
+std::vector<Ranks::Bytes> Ranks::share(const Bytes& here) {
+    return exchange_with([&](unsigned) -> const Bytes& { return here; });
 }
 
 RanksOfProgram::RanksOfProgram() {
@@ -229,6 +243,7 @@ void Ranks::pass(std::span<const Message>, std::span<const Message>) {}
 bool Ranks::writes() { return true; }
 void Ranks::meet() {}
 std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) { return to; }
+std::vector<Ranks::Bytes> Ranks::share(const Bytes& here) { return {here}; }
 RanksOfProgram::RanksOfProgram() = default;
 RanksOfProgram::~RanksOfProgram() = default;
 bool RanksOfProgram::all_fail() { return true; }
@@ -236,18 +251,29 @@ void RanksOfProgram::abort(int code) { std::exit(code); }
 
 #endif
 
+namespace {
+
+/// As variables of the environment, because releases of Open MPI refuse each other's options.
+constexpr std::pair<const char*, const char*> settings_of_mpirun[]{
+    // the program itself says why it ends
+    {"OMPI_MCA_orte_execute_quiet", "1"},
+    {"PRTE_MCA_prte_execute_quiet", "1"},
+    // s, twice, for which it waits after a rank's exit code other than 0; by then all ranks have
+    // said why they end
+    {"OMPI_MCA_odls_base_sigkill_timeout", "0"},
+    {"PRTE_MCA_odls_base_sigkill_timeout", "0"},
+    {"OMPI_MCA_btl_vader_single_copy_mechanism", "none"}}; // which containers forbid
+
+} // namespace
+
 int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
     require(
         Ranks::available(),
         "--ranks: expected a build with MPI, found one without (install libopenmpi-dev and build "
         "again)");
-    // quiet: the program itself says why it ends
-    std::vector<std::string> command{"mpirun", "--quiet", "-n", std::to_string(ranks),
-                                     "--oversubscribe", "--bind-to", "none", "--mca",
-                                     // s, twice, for which it waits after a rank's exit code other
-                                     // than 0; by then all ranks have said why they end
-                                     "odls_base_sigkill_timeout", "0", "--mca",
-                                     "btl_vader_single_copy_mechanism", "none"};
+    for (const auto& [name, value] : settings_of_mpirun) setenv(name, value, 1);
+    std::vector<std::string> command{"mpirun",          "-n",        std::to_string(ranks),
+                                     "--oversubscribe", "--bind-to", "none"};
     if (geteuid() == 0) command.emplace_back("--allow-run-as-root");
     command.push_back(this_program().string());
     command.insert(command.end(), arguments.begin(), arguments.end());
@@ -276,9 +302,5 @@ double Ranks::largest(double here) {
 }
 
 bool Ranks::any(bool here) { return largest(here ? 1.0 : 0.0) > 0; }
-
-std::vector<Ranks::Bytes> Ranks::share(const Bytes& here) {
-    return exchange(std::vector<Bytes>(size(), here));
-}
 
 } // namespace bris

@@ -160,7 +160,8 @@ struct CommonFlags {
             "four for each core are refused.",
             within(1, 4096));
         option("memory", memory, "GiB",
-               "Stop when the run needs more memory than this. 0: no limit.", within(0, 1 << 20));
+               "Stop when the run, or one of its ranks, needs more memory than this. 0: no limit.",
+               within(0, 1 << 20));
         option("config", config, "",
                "Configuration file of lines `name = value` with the names of these options. Flags "
                "on the "

@@ -264,7 +264,8 @@ struct BrokerClient::Connection {
         has_failed = true;
         if (was_refused_now || was_broken_now) {
             // what is wrong is known
-        } else if (rc == MOSQ_ERR_TLS || !tls_problem.empty())
+        } else if (rc == MOSQ_ERR_TLS || !tls_problem.empty() ||
+                   (rc == MOSQ_ERR_PROTOCOL && !settings.ca_file.empty())) // of release 2.0.21
             problem = described(fmt::format(
                 "no TLS connection with the authorities of '{}': {}", settings.ca_file.string(),
                 tls_problem.empty() ? "the other side speaks no TLS" : tls_problem));

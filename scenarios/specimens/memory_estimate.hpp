@@ -8,12 +8,12 @@ namespace bris {
 // tests/performance/peers/scale for 16 000 spheres and more, rounded up.
 
 /// Peak memory of a scene of single spheres, bytes.
-inline double bytes_of_spheres(double spheres) { return bytes_of_process + 4000 * spheres; }
+inline double bytes_of_spheres(double spheres) { return bytes_of_process() + 4000 * spheres; }
 
 /// Peak memory of scenes of rocks with `spheres_each` spheres each, bytes; `worlds` scenes exist at
 /// the same time.
 inline double bytes_of_rocks(double rocks, double spheres_each, double worlds = 1) {
-    return bytes_of_process + worlds * rocks * (4000 + 800 * spheres_each);
+    return bytes_of_process() + worlds * rocks * (4000 + 800 * spheres_each);
 }
 
 } // namespace bris

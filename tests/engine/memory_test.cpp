@@ -1,12 +1,17 @@
 #include "engine/errors.hpp"
 #include "engine/memory.hpp"
+#include "tests/scenarios/faults/process.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
-#include <cstdlib>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
 #include <string>
-#include <sys/wait.h>
 
 using namespace bris;
 
@@ -21,13 +26,17 @@ std::string refusal(double bytes, std::uint64_t limit) {
     }
 }
 
-/// Exit code of a scenario in a separate process; -1: it was ended by a signal.
-int exit_code_of_settle(const std::string& options) {
+Outcome settle_within(double gibibytes, const std::string& spheres, const std::string& threads) {
     const TemporaryDirectory out;
-    const int status = std::system((BRIS_BINARIES "/settle --quiet --duration 0.001 " + options +
-                                    " --out " + (out / "x").string() + " > /dev/null 2>&1")
-                                       .c_str());
-    return WIFEXITED(status) && WEXITSTATUS(status) < 128 ? WEXITSTATUS(status) : -1;
+    return run_process({"settle", "--quiet", "--duration", "0.001", "--spheres", spheres,
+                        "--threads", threads, "--memory", fmt::format("{}", gibibytes), "--out",
+                        (out / "x").string()});
+}
+
+/// The number before " GiB" behind some words; NaN if they are not there.
+double gibibytes_after(const std::string& text, const std::string& words) {
+    const auto at = text.find(words);
+    return at == std::string::npos ? std::nan("") : std::stod(text.substr(at + words.size()));
 }
 
 } // namespace
@@ -45,17 +54,44 @@ TEST_SUITE("engine/memory") {
         CHECK(refusal(0x0.8p30, std::uint64_t{1} << 30) == "");
     }
 
+    TEST_CASE("the limit of a control group holds for the groups in it, in both versions") {
+        const TemporaryDirectory root;
+        const auto write = [&](const std::string& file, const std::string& text) {
+            std::filesystem::create_directories((root / file).parent_path());
+            std::ofstream(root / file) << text;
+        };
+        const auto limit = [&] { return memory_of_groups(root.path()); };
+        constexpr auto none = std::numeric_limits<std::uint64_t>::max();
+        CHECK(limit() == none); // a system without groups
+        write("proc/self/cgroup", "0::/slurm/job_7/step_0\n");
+        write("sys/fs/cgroup/slurm/job_7/step_0/memory.max", "max\n");
+        CHECK(limit() == none);
+        write("sys/fs/cgroup/slurm/job_7/memory.max", "3000000000\n");
+        CHECK(limit() == 3'000'000'000);
+        write("sys/fs/cgroup/memory.max", "2000000000\n");
+        CHECK(limit() == 2'000'000'000);
+        write("proc/self/cgroup", "12:cpu,cpuacct:/a\n4:memory:/a\n0::/\n");
+        write("sys/fs/cgroup/memory/a/memory.limit_in_bytes", "1000000000\n");
+        CHECK(limit() == 1'000'000'000);
+    }
+
     TEST_CASE("a scenario is rejected if the memory limit is too small for any process or for its "
               "scene, and runs with as much memory as its scene is estimated to need") {
-        for (const char* limit : {"0.001", "0.03", "0.06", "0.1"}) {
-            CAPTURE(limit);
-            CHECK(exit_code_of_settle(std::string("--spheres 10 --threads 1 --memory ") + limit) ==
-                  2);
+        for (const double limit : {0.001, 0.03, 0.06, 0.1})
+            CHECK(settle_within(limit, "10", "1").code == 2);
+        for (const std::string threads : {"1", "4"}) {
+            CAPTURE(threads);
+            const double least =
+                gibibytes_after(settle_within(0.01, "10", threads).err, "or at least ");
+            REQUIRE(least > 0.1);
+            CHECK(settle_within(least - 0.002, "500", threads).code == 2);
+            CHECK(settle_within(least + 0.002, "500", threads).code == 0);
         }
-        CHECK(exit_code_of_settle("--spheres 500 --threads 1 --memory 0.137") == 0);
-        CHECK(exit_code_of_settle("--spheres 500 --threads 4 --memory 0.15") == 0);
-        CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.189") == 2); // 0.190 GiB
-        CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.191") == 0);
+        const double needed =
+            gibibytes_after(settle_within(0.17, "50000", "1").err, "needs about ");
+        REQUIRE(needed > 0.25);
+        CHECK(settle_within(needed - 0.001, "50000", "1").code == 2);
+        CHECK(settle_within(needed + 0.001, "50000", "1").code == 0);
     }
 
     TEST_CASE("a limit beyond the memory of the machine is replaced by it") {

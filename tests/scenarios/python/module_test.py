@@ -442,7 +442,8 @@ class ModuleTest(unittest.TestCase):
     def child(self, code, timeout=60):
         """Output of a process that runs Python code with this file as `test`; it must end by itself, without a signal."""
         code = 'import os, sys, threading, time, bris, numpy as np, module_test as test\n' + textwrap.dedent(code)
-        done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, timeout=timeout,
+        # from 3.12 on Python advises against any fork of a process with threads
+        done = subprocess.run([sys.executable, '-W', 'ignore::DeprecationWarning', '-c', code], capture_output=True, text=True, timeout=timeout,
                               env={**os.environ, 'PYTHONPATH': os.pathsep.join([str(Path(__file__).parent), *sys.path])})
         self.assertGreaterEqual(done.returncode, 0, done.stderr)
         return done
