@@ -146,12 +146,16 @@ std::string typed(const std::string& word) {
 void add_changes(HtmlPage& page, const Common& common) {
     page.heading("Settings that differ from the defaults");
     if (common.changes.empty()) return page.paragraph("None.");
-    Report::Table rows{{"option", "this run", "default", "key, with its unit", "meaning"}};
+    Report::Table rows{{"option", "this run", "default", "meaning, and key with its unit"}};
     const auto shown = [](const std::string& text) {
         return text.empty() ? std::string("-") : printable(text);
     };
-    for (const Options::Change& one : common.changes)
-        rows.push_back({one.flag, shown(one.value), shown(one.initially), one.key, one.help});
+    for (const Options::Change& one : common.changes) {
+        const std::string sentence = one.help.substr(0, one.help.find(". ")); // the first one
+        rows.push_back(
+            {one.flag, shown(one.value), shown(one.initially),
+             fmt::format("{}{} {}", sentence, sentence.ends_with('.') ? "" : ".", one.key)});
+    }
     page.table(rows);
 }
 
