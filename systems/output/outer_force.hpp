@@ -16,10 +16,7 @@ public:
           gravity_(world.has_resource<Gravity>() ? world.resource<Gravity>().value
                                                  : Vec3(Vec3::Zero())),
           any_(world.has_resource<Gravity>()) {
-        for_each_element_of(world, [&]<class E>() {
-            std::get<Acting<E>>(acting_).value = world.column<Bodies, typename E::Acting>().data();
-            any_ = true;
-        });
+        find(world.table<Bodies>(), ForceElements{});
     }
     bool any() const { return any_; }
     /// Force (N) on the body of a row.
@@ -51,12 +48,28 @@ private:
     template <class... Es>
     static std::tuple<Acting<Es>...> acting_of(ElementList<Es...>);
 
+    // for_each_element would do for both, but makes clang 19 crash
+    template <class... Es>
+    void find(const Table& bodies, ElementList<Es...>) {
+        const auto one = [&]<class E>(Acting<E>& acting) {
+            if (!bodies.has<typename E::Acting>()) return;
+            acting.value = bodies.column<typename E::Acting>().data();
+            any_ = true;
+        };
+        (one(std::get<Acting<Es>>(acting_)), ...);
+    }
+
+    /// Calls visit.template operator()<E>(force) for the elements that a scene has.
     template <class Visit>
     void visit(Row row, Visit&& visit) const {
-        for_each_element([&]<class E>() {
-            if (const auto* value = std::get<Acting<E>>(acting_).value)
-                visit.template operator()<E>(value[row].force);
-        });
+        visit_each(row, visit, ForceElements{});
+    }
+    template <class Visit, class... Es>
+    void visit_each(Row row, Visit& visit, ElementList<Es...>) const {
+        const auto one = [&]<class E>(const Acting<E>& acting) {
+            if (acting.value != nullptr) visit.template operator()<E>(acting.value[row].force);
+        };
+        (one(std::get<Acting<Es>>(acting_)), ...);
     }
 
     const double* mass_;
