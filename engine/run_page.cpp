@@ -146,15 +146,17 @@ std::string typed(const std::string& word) {
 void add_changes(HtmlPage& page, const Common& common) {
     page.heading("Settings that differ from the defaults");
     if (common.changes.empty()) return page.paragraph("None.");
-    Report::Table rows{{"option", "this run", "default", "meaning, and key with its unit"}};
+    Report::Table rows{{"option", "this run", "default", "meaning (key with its unit)"}};
     const auto shown = [](const std::string& text) {
         return text.empty() ? std::string("-") : printable(text);
     };
     for (const Options::Change& one : common.changes) {
-        const std::string sentence = one.help.substr(0, one.help.find(". ")); // the first one
-        rows.push_back(
-            {one.flag, shown(one.value), shown(one.initially),
-             fmt::format("{}{} {}", sentence, sentence.ends_with('.') ? "" : ".", one.key)});
+        std::string meaning = one.help.substr(0, one.help.find(". ")); // the first sentence
+        if (!meaning.ends_with('.')) meaning += '.';
+        std::string name = one.flag.substr(one.flag.find_first_not_of('-'));
+        std::ranges::replace(name, '-', '_');
+        if (one.key != name) meaning += " (" + one.key + ")";
+        rows.push_back({one.flag, shown(one.value), shown(one.initially), meaning});
     }
     page.table(rows);
 }

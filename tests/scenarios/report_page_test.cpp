@@ -49,10 +49,9 @@ TEST_SUITE("scenarios/report_page") {
             html,
             {"<h1>BRIS: settle</h1>", "<p>Spheres settle in a box under gravity.</p>",
              "<td>coordination</td><td>", "How far to trust it", "neither a band nor limits",
-             "<td>--spheres</td><td>20</td><td>2000</td><td class=\"long\">Number of spheres. "
-             "spheres</td>",
+             "<td>--spheres</td><td>20</td><td>2000</td><td>Number of spheres.</td>",
              "<td>--duration</td><td>0.001</td><td>0.5</td><td class=\"long\">Simulated time. "
-             "duration_s",
+             "(duration_s)</td>",
              "<pre>bris run settle --spheres 20 --duration 0.001 --threads 1 --out '",
              "a &lt;b&gt; &amp; '\\''c'\\''' --quiet --seed 7</pre>", "<td>seed</td><td>7</td>",
              "<td>bris version</td>", "<td>bris commit</td>", "<td>libraries</td>",
