@@ -7,6 +7,18 @@
 
 namespace bris {
 
+namespace detail {
+
+// not within the class, where clang 19 forgets to compile what depends on them
+template <class E>
+struct ActingOf {
+    const typename E::Acting::Value* value = nullptr; ///< by row; null: the scene has none
+};
+template <class... Es>
+std::tuple<ActingOf<Es>...> acting_of(ElementList<Es...>);
+
+} // namespace detail
+
 /// Forces on bodies other than contact forces: weight, and those of force elements. Valid as long
 /// as the world's tables are not changed.
 class OuterForces {
@@ -16,7 +28,11 @@ public:
           gravity_(world.has_resource<Gravity>() ? world.resource<Gravity>().value
                                                  : Vec3(Vec3::Zero())),
           any_(world.has_resource<Gravity>()) {
-        find(world.table<Bodies>(), ForceElements{});
+        for_each_element_of(world, [&]<class E>() {
+            std::get<detail::ActingOf<E>>(acting_).value =
+                world.column<Bodies, typename E::Acting>().data();
+            any_ = true;
+        });
     }
     bool any() const { return any_; }
     /// Force (N) on the body of a row.
@@ -41,41 +57,18 @@ public:
     }
 
 private:
-    template <class E>
-    struct Acting {
-        const typename E::Acting::Value* value = nullptr; ///< by row; null: the scene has none
-    };
-    template <class... Es>
-    static std::tuple<Acting<Es>...> acting_of(ElementList<Es...>);
-
-    // for_each_element would do for both, but makes clang 19 crash
-    template <class... Es>
-    void find(const Table& bodies, ElementList<Es...>) {
-        const auto one = [&]<class E>(Acting<E>& acting) {
-            if (!bodies.has<typename E::Acting>()) return;
-            acting.value = bodies.column<typename E::Acting>().data();
-            any_ = true;
-        };
-        (one(std::get<Acting<Es>>(acting_)), ...);
-    }
-
-    /// Calls visit.template operator()<E>(force) for the elements that a scene has.
     template <class Visit>
     void visit(Row row, Visit&& visit) const {
-        visit_each(row, visit, ForceElements{});
-    }
-    template <class Visit, class... Es>
-    void visit_each(Row row, Visit& visit, ElementList<Es...>) const {
-        const auto one = [&]<class E>(const Acting<E>& acting) {
-            if (acting.value != nullptr) visit.template operator()<E>(acting.value[row].force);
-        };
-        (one(std::get<Acting<Es>>(acting_)), ...);
+        for_each_element([&]<class E>() {
+            if (const auto* value = std::get<detail::ActingOf<E>>(acting_).value)
+                visit.template operator()<E>(value[row].force);
+        });
     }
 
     const double* mass_;
     Vec3 gravity_;
     bool any_;
-    decltype(acting_of(ForceElements{})) acting_;
+    decltype(detail::acting_of(ForceElements{})) acting_;
 };
 
 } // namespace bris
