@@ -2,7 +2,7 @@
 
 #include "engine/archive.hpp"
 #include "engine/math.hpp"
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "engine/signal/true_motion.hpp"
 
 #include <array>
@@ -80,9 +80,7 @@ public:
     Vec3 rate_bias() const { return rate_bias_; }
 
 private:
-    Vec3 scatter(double deviation) {
-        return deviation * Vec3(random_.normal(), random_.normal(), random_.normal());
-    }
+    Vec3 scatter(double deviation) { return deviation * normal_vector(random_); }
     Mat3 distortion();
     Vec3 passed(const Vec3& memory, const Vec3& value, double dt) const;
     Vec3 digits(const Vec3& value, double range, bool& saturated) const;

@@ -2,7 +2,7 @@
 
 #include "components/kinds.hpp"
 #include "engine/ordering.hpp"
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/specimens/sphere_cells.hpp"
 
@@ -52,8 +52,9 @@ void pour_course(World& world, const BoxSizes& s, std::size_t course, std::uint6
         const double r = radius[rows[id]];
         for (int attempt = 1;; ++attempt) {
             if (attempt % 200 == 0) high += largest; // little room
-            const Vec3 at(random.uniform(r, std::max(s.width - r, 1.001 * r)),
-                          random.uniform(r, depth - r), random.uniform(low + r, high - r));
+            const Vec3 at =
+                place_in_box(random, Vec3(r, r, low + r),
+                             Vec3(std::max(s.width - r, 1.001 * r), depth - r, high - r));
             if (!cells.is_clear(at, r)) continue;
             cells.add(at, r);
             release(world, id, at);

@@ -2,7 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "scenarios/collision/impact.hpp"
 #include "scenarios/specimens/small_scene.hpp"
 #include "systems/contact/energy_budget.hpp"
@@ -113,9 +113,7 @@ CollideResult run_experiment(const Collide& s) {
     std::vector<TimedMeasurement> recording;
     Simulation truth = make_run(s, {s.speed, s.offset, s.material.restitution}, nullptr, dt);
     Random random(s.seed, 0);
-    const auto noise = [&](double deviation) -> Vec3 {
-        return deviation * Vec3(random.normal(), random.normal(), random.normal());
-    };
+    const auto noise = [&](double deviation) -> Vec3 { return deviation * normal_vector(random); };
     const double least_deviation = 1e-12; // standard deviation of a sensor without noise
     FirstTouch true_touch;
     for (std::uint64_t k = 0; k < steps; ++k) {

@@ -1,6 +1,6 @@
 #include "scenarios/ensemble/twin.hpp"
 
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/signal/imu.hpp"
 #include "scenarios/records/recorded_test.hpp"
@@ -35,7 +35,7 @@ std::vector<SensorTrajectory> recorded_trajectories(const ModelRun& truth,
     for (std::size_t s = 0; s < hosts.size(); ++s) {
         Random random(seed, 1000 + s), fault(seed, 5000 + s);
         const auto noise = [&](double deviation) -> Vec3 {
-            return deviation * Vec3(random.normal(), random.normal(), random.normal());
+            return deviation * normal_vector(random);
         };
         double last = 0;
         for (std::size_t stage = 1; stage < truth.curves.size(); ++stage) {
@@ -79,12 +79,12 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
         Recording& r = recordings[s];
         Random random(seed, 2000 + s);
         const auto noise = [&](double deviation) -> Vec3 {
-            return deviation * Vec3(random.normal(), random.normal(), random.normal());
+            return deviation * normal_vector(random);
         };
         const RockPose& start = truth.start[s];
         r.info.id = static_cast<unsigned>(s + 1);
-        r.info.set_pose(start.position + noise(settings.placement_noise),
-                        exponential_map(noise(settings.levelling_noise)) * start.orientation);
+        const Quat attitude = exponential_map(noise(settings.levelling_noise)) * start.orientation;
+        r.info.set_pose(start.position + noise(settings.placement_noise), attitude);
         r.info.position_deviation = settings.placement_noise;
         r.info.attitude_deviation = settings.levelling_noise * 180 / pi;
         r.info.sampling_rate = model.rate;
@@ -116,9 +116,10 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
             r.displacement.push_back(displacement);
             r.attitude.push_back(exponential_map(rotation) * r.info.attitude());
         };
-        for (double t = 0; t < settings.rest - 0.5 * period; t += period)
-            sample(0, Vec3::Zero(), noise(settings.displacement_noise),
-                   noise(settings.attitude_noise));
+        for (double t = 0; t < settings.rest - 0.5 * period; t += period) {
+            const Vec3 turned = noise(settings.attitude_noise);
+            sample(0, Vec3::Zero(), noise(settings.displacement_noise), turned);
+        }
         std::size_t stage = 0;
         for (std::size_t k = 0; k < trajectories[s].strain.size(); ++k) {
             while (truth.curves[quantity::axial_strain][stage] < trajectories[s].strain[k]) ++stage;

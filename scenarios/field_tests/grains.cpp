@@ -4,7 +4,7 @@
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "scenarios/field_tests/rock_bed.hpp"
 #include "scenarios/specimens/growth.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -62,8 +62,7 @@ std::size_t add_grains(World& world, const GrainsOfFines& grains, std::uint64_t 
                     fmt::format("--fines-size: expected grains for which the voids have room, "
                                 "found {:g} m, of which {} of {} were placed",
                                 grains.size, k, count));
-            const Vec3 at(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()),
-                          random.uniform(low.z(), high.z()));
+            const Vec3 at = place_in_box(random, low, high);
             if (!cells.is_clear(at, small)) continue;
             cells.add(at, small);
             const EntityId id = add_sphere(world, at, r, grains.material);

@@ -5,7 +5,7 @@
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
@@ -97,8 +97,8 @@ void place_rocks(World& world) {
         for (int attempt = 1;; ++attempt) {
             if (attempt % 500 == 0) size *= 0.97; // little room: bounding spheres may overlap
             const Vec3 half = 0.5 * bed.settings.size - Vec3::Constant(size);
-            const Vec3 x(random.uniform(-half.x(), half.x()), random.uniform(-half.y(), half.y()),
-                         random.uniform(size, bed.lid - size));
+            const Vec3 x = place_in_box(random, Vec3(-half.x(), -half.y(), size),
+                                        Vec3(half.x(), half.y(), bed.lid - size));
             if (bed.tie != nobody) {
                 Vec3 outside = (x - tie).cwiseAbs() - 0.5 * bed.tie_size;
                 // above the tie a rock would have no room to grow below the lid

@@ -30,7 +30,8 @@ std::vector<Vec3> lattice_sites(const SiteLattice& l, std::size_t count,
                                 l.low.z() + l.pitch * (k + 0.5));
                 if (!inside(site)) continue;
                 Random random(l.seed, sites.size());
-                sites.push_back(site + l.shift * l.pitch * random.uniform() * random.direction());
+                const Vec3 direction = random.direction();
+                sites.push_back(site + l.shift * l.pitch * random.uniform() * direction);
             }
     require(sites.size() == count,
             fmt::format(

@@ -115,8 +115,10 @@ void TriaxialTest::start_vibration() {
     Random random(specimen.seed + state.rounds, vibration_stream);
     const double speed = vibration_speed(world);
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    for (const EntityId id : specimen.rocks)
-        world.column<Bodies, Velocity>()[rows[id]] = speed * random.normal() * random.direction();
+    for (const EntityId id : specimen.rocks) {
+        const Vec3 direction = random.direction();
+        world.column<Bodies, Velocity>()[rows[id]] = speed * random.normal() * direction;
+    }
     show_velocities(world);
     if (state.rounds == 0) state.porosity_before_taps += swelling;
     state.phase = TriaxialPhase::vibrate;
