@@ -15,13 +15,17 @@ struct Interval {
     double low, high;
 };
 
+/// The same bits in whatever order intervals of one beginning come, as all those that the region
+/// cuts off.
 double union_length(std::vector<Interval>& list) {
     std::sort(list.begin(), list.end(),
               [](const Interval& a, const Interval& b) { return a.low < b.low; });
-    double length = 0, end = -1e300;
-    for (const Interval& i : list) {
-        length += std::max(0.0, i.high - std::max(end, i.low));
-        end = std::max(end, i.high);
+    double length = 0;
+    for (std::size_t k = 0; k < list.size();) {
+        const double begin = list[k].low;
+        double end = list[k].high;
+        for (++k; k < list.size() && list[k].low <= end; ++k) end = std::max(end, list[k].high);
+        length += end - begin;
     }
     return length;
 }
