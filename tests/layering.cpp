@@ -108,8 +108,8 @@ bool may_include_engine(const std::string& file, const std::string& target) {
         "engine/archive.hpp",     "engine/child_program.hpp", "engine/errors.hpp",
         "engine/interrupt.hpp",   "engine/math.hpp",          "engine/message.hpp",
         "engine/named_value.hpp", "engine/options.hpp",       "engine/printable.hpp",
-        "engine/random.hpp",      "engine/ranks.hpp",         "engine/stopwatch.hpp",
-        "engine/version.hpp"};
+        "engine/random.hpp",      "engine/random_vector.hpp", "engine/ranks.hpp",
+        "engine/stopwatch.hpp",   "engine/version.hpp"};
     static const std::set<std::string> of_the_run{"engine/options.cpp", "engine/resume.hpp",
                                                   "engine/run_page.cpp", "engine/summary.cpp"};
     static const std::set<std::pair<std::string, std::string>> exceptions{
