@@ -1,18 +1,17 @@
 #include "components/outline.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace bris {
 
 namespace {
-constexpr double for_rounding = 1 + 1e-9;
-constexpr double none = -std::numeric_limits<double>::infinity();
-constexpr Outline::Extent nothing{none, none};
 
-void enlarge(Outline::Extent& extent, const Outline::Extent& by) {
-    extent = {std::max(extent[0], by[0]), std::max(extent[1], by[1])};
+/// Of one body.
+Outline::Extent extent_of(double position, double reach) {
+    return {reach - position, reach + position};
 }
+
+constexpr double for_rounding = 1 + 1e-9;
 
 } // namespace
 
@@ -23,10 +22,9 @@ Outline::Outline(int axis, const Vec3& low, const Vec3& high)
         low_[k] = low[across_[k]];
         cells_per_metre_[k] = width > 0 ? static_cast<double>(cells_along) / width : 0;
     }
-    clear();
 }
 
-void Outline::clear() { std::ranges::fill(cells_, nothing); }
+void Outline::clear() { std::ranges::fill(cells_, Extent{}); }
 
 std::size_t Outline::cell(std::size_t direction, double position) const {
     constexpr auto last = static_cast<double>(cells_along - 1);
@@ -47,28 +45,26 @@ void Outline::for_cells(Cells& cells, const Vec3& position, double reach, Visit&
 
 void Outline::add(const Vec3& position, double reach) {
     reach *= for_rounding;
-    const Extent own{reach - position[axis_], reach + position[axis_]};
-    for_cells(cells_, position, reach, [&](Extent& extent) { enlarge(extent, own); });
+    const Extent own = extent_of(position[axis_], reach);
+    for_cells(cells_, position, reach, [&](Extent& extent) { extent.enlarge(own); });
 }
 
 void Outline::add(const Outline& other) {
-    for (std::size_t k = 0; k < cells_.size(); ++k) enlarge(cells_[k], other.cells_[k]);
+    for (std::size_t k = 0; k < cells_.size(); ++k) cells_[k].enlarge(other.cells_[k]);
 }
 
 Outline::Extent Outline::extent() const {
-    Extent whole = nothing;
-    for (const Extent& cell : cells_) enlarge(whole, cell);
+    Extent whole;
+    for (const Extent& cell : cells_) whole.enlarge(cell);
     return whole;
 }
 
 bool Outline::may_touch(const Vec3& position, double reach) const {
     reach *= for_rounding;
-    const double down = reach - position[axis_], up = reach + position[axis_];
+    const Extent own = extent_of(position[axis_], reach);
     bool touches = false;
-    // the body ends above the lower end of the slab, and begins below its upper end
-    for_cells(cells_, position, reach, [&](const Extent& extent) {
-        touches = touches || (up >= -extent[0] && extent[1] >= -down);
-    });
+    for_cells(cells_, position, reach,
+              [&](const Extent& extent) { touches = touches || own.meets(extent); });
     return touches;
 }
 

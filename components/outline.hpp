@@ -2,8 +2,10 @@
 
 #include "engine/math.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -15,8 +17,17 @@ namespace bris {
 class Outline {
 public:
     static constexpr std::size_t cells_along = 32; ///< in both directions of the cross-section
-    /// How far bodies reach in the negative and in the positive direction of the axis (m).
-    using Extent = std::array<double, 2>;
+    /// How far bodies reach in the negative and in the positive direction of the axis (m); without
+    /// bodies minus infinity.
+    struct Extent {
+        double down = -std::numeric_limits<double>::infinity(), up = down;
+        void enlarge(const Extent& by) {
+            down = std::max(down, by.down);
+            up = std::max(up, by.up);
+        }
+        /// Whether each begins before the other ends.
+        bool meets(const Extent& other) const { return up >= -other.down && other.up >= -down; }
+    };
 
     Outline() = default;
     /// An outline without bodies. `axis`: along which the world is divided (0 to 2); `low`, `high`:
@@ -31,10 +42,13 @@ public:
     /// Whether a body may touch one of those that were added.
     bool may_touch(const Vec3& position, double reach) const;
 
-    /// Of all bodies; minus infinity without them.
-    Extent extent() const;
+    Extent extent() const; ///< of all bodies
     /// The numbers of all cells.
-    std::span<double> numbers() { return {cells_.front().data(), 2 * cells_.size()}; }
+    std::span<double> numbers() { return numbers_of(cells_); }
+    static std::span<double> numbers_of(std::vector<Extent>& extents) {
+        static_assert(sizeof(Extent) == 2 * sizeof(double));
+        return {&extents.front().down, 2 * extents.size()};
+    }
 
 private:
     /// Calls visit(extent) for the cells into which a body reaches.

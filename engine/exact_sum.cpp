@@ -1,7 +1,5 @@
 #include "engine/exact_sum.hpp"
 
-#include "engine/ranks.hpp"
-
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -60,12 +58,6 @@ void ExactSum::carry() {
         words_[k] = sum - carried * (std::int64_t{1} << word_bits);
     }
     waiting_ = 1;
-}
-
-void ExactSum::add_ranks() {
-    carry();
-    Ranks::sum(words_);
-    waiting_ = Ranks::size();
 }
 
 double ExactSum::value() const {

@@ -20,8 +20,6 @@ public:
     void add(const ExactSum& other);
     /// The double next to the sum; of two that are equally near, the even one.
     double value() const;
-    /// The sum over all ranks, on all ranks.
-    void add_ranks();
 
 private:
     static constexpr std::size_t words = 67; ///< from 2^-1074 to 2^1070

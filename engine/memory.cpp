@@ -74,7 +74,8 @@ double bytes_of_process() {
 void limit_memory(std::uint64_t bytes, unsigned threads) {
     const double least = bytes_of_process() + bytes_of_thread * threads,
                  found = static_cast<double>(bytes);
-    if (bytes == 0) return;
+    if (bytes == 0)
+        return; // what the process reserves is noted all the same, before a scene exists
     require(found >= least, fmt::format("--memory: expected 0 (no limit) or at least {:.3g} GiB, "
                                         "which a process with {} threads needs, found {:.3g}",
                                         gigabytes(least) + 0.0005, threads, gigabytes(found)));

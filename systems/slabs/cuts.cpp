@@ -118,27 +118,20 @@ std::map<unsigned, Outline> outlines_of_own(const Slab& slab, const World& part)
 class ExtentsOfRanks {
 public:
     ExtentsOfRanks(const Slab& slab, const std::map<unsigned, Outline>& own)
-        : extents_(2 * slab.ranks(), {-infinity, -infinity}) {
+        : extents_(2 * slab.ranks()) {
         for (const auto& [rank, outline] : own) {
-            enlarge(extents_[rank], outline.extent());
-            enlarge(extents_[slab.ranks() + slab.rank], outline.extent());
+            extents_[rank] = outline.extent();
+            extents_[slab.ranks() + slab.rank].enlarge(outline.extent());
         }
-        Ranks::largest({extents_.front().data(), 2 * extents_.size()});
+        Ranks::largest(Outline::numbers_of(extents_));
     }
     /// Whether a rank has or will have bodies that may reach those of another rank's slab.
     bool needs(std::size_t rank, std::size_t slab) const {
-        return rank != slab && (meet(extents_[rank], extents_[slab]) ||
-                                meet(extents_[extents_.size() / 2 + rank], extents_[slab]));
+        return rank != slab && (extents_[rank].meets(extents_[slab]) ||
+                                extents_[extents_.size() / 2 + rank].meets(extents_[slab]));
     }
 
 private:
-    static void enlarge(Outline::Extent& extent, const Outline::Extent& by) {
-        extent = {std::max(extent[0], by[0]), std::max(extent[1], by[1])};
-    }
-    /// Both are reaches in the negative and in the positive direction.
-    static bool meet(const Outline::Extent& a, const Outline::Extent& b) {
-        return a[1] >= -b[0] && b[1] >= -a[0];
-    }
     std::vector<Outline::Extent> extents_; ///< of each slab, and of what each rank has computed
 };
 

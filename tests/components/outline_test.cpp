@@ -78,7 +78,7 @@ TEST_SUITE("components/outline") {
         here.add(there);
         for (std::size_t k = 0; k < here.numbers().size(); ++k)
             REQUIRE(here.numbers()[k] == both.numbers()[k]);
-        CHECK(both.extent()[0] == doctest::Approx(down).epsilon(1e-8));
-        CHECK(both.extent()[1] == doctest::Approx(up).epsilon(1e-8));
+        CHECK(both.extent().down == doctest::Approx(down).epsilon(1e-8));
+        CHECK(both.extent().up == doctest::Approx(up).epsilon(1e-8));
     }
 }

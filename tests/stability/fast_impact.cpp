@@ -1,7 +1,7 @@
 // S10: impacts with large displacements per step are computed correctly or refused, and no body
 // passes through another.
 #include "engine/health.hpp"
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "tests/stability/cases.hpp"
@@ -127,8 +127,7 @@ void add_shots(StressRows& rows, bool facets, unsigned shots, std::uint64_t seed
         Random random(seed, 100 + k);
         const double step_ratio = std::exp(random.uniform(std::log(1e-3), std::log(5.0)));
         const Vec3 start =
-            (half - 1.01 * radius) *
-            Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+            (half - 1.01 * radius) * place_in_box(random, Vec3::Constant(-1), Vec3::Constant(1));
         const Vec3 velocity = step_ratio * radius / dt * random.direction();
         value_of<Position>(simulation, ball) = start;
         value_of<Velocity>(simulation, ball) = velocity;

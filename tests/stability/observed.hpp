@@ -2,7 +2,7 @@
 
 #include "components/body.hpp"
 #include "engine/clock.hpp"
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "engine/signal/attitude.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/fusion/sensor_filter.hpp"
@@ -15,9 +15,7 @@ inline constexpr double position_deviation = 1e-5, velocity_deviation = 1e-2,
 /// Measurement of all quantities of a body at the end of the last step, with noise of the standard
 /// deviations above.
 inline Measured observed(Simulation& sim, EntityId body, Random& random) {
-    const auto noise = [&](double deviation) -> Vec3 {
-        return deviation * Vec3(random.normal(), random.normal(), random.normal());
-    };
+    const auto noise = [&](double deviation) -> Vec3 { return deviation * normal_vector(random); };
     const double half_step = 0.5 * sim.world().resource<Clock>().dt;
     Measured m;
     m.position_deviation = position_deviation;

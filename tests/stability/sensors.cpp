@@ -1,6 +1,6 @@
 // S11: faulty sensors: the state stays finite, impossible samples are refused, and the bodies move
 // as without these samples.
-#include "engine/random.hpp"
+#include "engine/random_vector.hpp"
 #include "engine/signal/imu.hpp"
 #include "scenarios/sensors/quality_control.hpp"
 #include "scenarios/specimens/small_scene.hpp"
@@ -249,9 +249,7 @@ Recording recording(std::uint64_t seed) {
     r.info.rate_noise = model.noise.rate;
     Imu imu(model, earth, seed, 1);
     Random random(seed, 1102);
-    const auto noise = [&]() -> Vec3 {
-        return r.info.attitude_noise * Vec3(random.normal(), random.normal(), random.normal());
-    };
+    const auto noise = [&]() -> Vec3 { return r.info.attitude_noise * normal_vector(random); };
     for (int k = 0; k < 1000; ++k) {
         const double t = k / model.rate, w = t > 2 ? 4 : 0;
         const ImuSample s = imu.sample(t, {.orientation = q,
