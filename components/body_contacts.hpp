@@ -13,13 +13,13 @@
 
 namespace bris {
 
-/// The touching pairs of every body, for functions that look at a World between steps: a step adds
-/// forces without such lists.
+/// The touching pairs of every body, or of those of marked rows only, for functions that look at a
+/// World between steps: a step adds forces without such lists.
 template <class Pairs>
 class BodyContacts {
 public:
     template <class World>
-    explicit BodyContacts(const World& world)
+    explicit BodyContacts(const World& world, const std::vector<char>* marked = nullptr)
         : first_(world.template table<Bodies>().size() + 1, 0) {
         if (!world.template has<Pairs>()) return;
         const auto& index = world.template resource<NearIndex<Pairs>>();
@@ -28,9 +28,12 @@ public:
         const auto names = world.template column<Pairs, PairKey>();
         const auto body = world.template column<Listed, ListedBody>();
         const auto for_bodies = [&](auto&& visit) {
-            index.for_touching([&](Row k) { visit(body[near[k].owner], k, nobody); });
+            const auto visit_marked = [&](Row b, Row k, EntityId owner) {
+                if (marked == nullptr || (*marked)[b] != 0) visit(b, k, owner);
+            };
+            index.for_touching([&](Row k) { visit_marked(body[near[k].owner], k, nobody); });
             index.for_touching([&](Row k) {
-                visit(rows[near[k].pair].partner_body, k, names[near[k].pair].owner);
+                visit_marked(rows[near[k].pair].partner_body, k, names[near[k].pair].owner);
             });
         };
         for_bodies([&](Row b, Row, EntityId) { ++first_[b]; });

@@ -50,6 +50,7 @@ struct Slab {
     int axis = 0;                  ///< along which the world is divided: 0, 1, 2 for x, y, z
     std::vector<double> cuts;      ///< m, ranks + 1, ascending; the outer ones are infinite
     unsigned rank = 0;             ///< of this process
+    bool just_taken = true;        ///< and no step has been run
     Outline outline;               ///< of the bodies of this slab
     std::vector<NearSlab> near;    ///< by rank; without this one
     Row first_ghost = 0;           ///< the rows of Bodies from here on are ghosts

@@ -1,15 +1,17 @@
 #include "engine/exact_sum.hpp"
 
+#include "engine/ranks.hpp"
+
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace bris {
 
 namespace {
-constexpr unsigned word_bits = 32, mantissa_bits = 53;
 constexpr int lowest_exponent = -1074;
-constexpr std::uint64_t word_mask = 0xffffffff;
 } // namespace
 
 double exact_sum(std::span<const double> terms) {
@@ -18,35 +20,9 @@ double exact_sum(std::span<const double> terms) {
     return sum.value();
 }
 
-void ExactSum::add(double x) {
-    const auto bits = std::bit_cast<std::uint64_t>(x);
-    const std::uint64_t exponent = bits >> (mantissa_bits - 1) & 0x7ff;
-    std::uint64_t mantissa = bits & ((std::uint64_t{1} << (mantissa_bits - 1)) - 1);
-    if (exponent == 0x7ff) {
-        ++words_[words];
-        return;
-    }
-    if (exponent > 0) mantissa |= std::uint64_t{1} << (mantissa_bits - 1);
-    const std::uint64_t place = exponent > 0 ? exponent - 1 : 0; // of the lowest bit
-    const std::size_t first = place / word_bits, shift = place % word_bits;
-    const std::array<std::uint64_t, 3> parts{mantissa << shift & word_mask,
-                                             mantissa >> 1 >> (word_bits - 1 - shift) & word_mask,
-                                             mantissa >> word_bits >> (word_bits - shift)};
-    const bool is_negative = bits >> 63 != 0;
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-        const auto part = static_cast<std::int64_t>(parts[k]);
-        words_[first + k] += is_negative ? -part : part;
-    }
-    carry_if_due(1);
-}
-
 void ExactSum::add(const ExactSum& other) {
     for (std::size_t k = 0; k < words_.size(); ++k) words_[k] += other.words_[k];
-    carry_if_due(other.waiting_ + 1);
-}
-
-void ExactSum::carry_if_due(std::uint32_t terms) {
-    waiting_ += terms;
+    waiting_ += other.waiting_ + 1;
     if (waiting_ >= most_waiting) carry();
 }
 
@@ -58,6 +34,21 @@ void ExactSum::carry() {
         words_[k] = sum - carried * (std::int64_t{1} << word_bits);
     }
     waiting_ = 1;
+}
+
+void ExactSum::add_over_ranks(std::span<ExactSum* const> sums) {
+    std::vector<std::int64_t> all;
+    for (ExactSum* sum : sums) {
+        sum->carry(); // so that no word overflows
+        all.insert(all.end(), sum->words_.begin(), sum->words_.end());
+    }
+    Ranks::sum(all);
+    const std::int64_t* next = all.data();
+    for (ExactSum* sum : sums) {
+        std::copy_n(next, sum->words_.size(), sum->words_.begin());
+        next += sum->words_.size();
+        sum->carry();
+    }
 }
 
 double ExactSum::value() const {

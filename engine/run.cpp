@@ -154,7 +154,7 @@ Phase Run::timed(TimedPhase phase) const {
             std::min(phase.steps, (now / phase.sample_every + 1) * phase.sample_every);
         simulation.advance_unseen(std::min(next - now, block_of(simulation)));
         if (steps_in_phase() != next) return true;
-        simulation.look();
+        if (phase.looks) simulation.look();
         return phase.sample(simulation, next);
     };
     return {.advance = advance, .progress = progress, .begin = phase.begin};

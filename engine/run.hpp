@@ -70,6 +70,7 @@ struct TimedPhase {
     std::function<bool(Simulation&, std::uint64_t step)> sample;
     std::function<std::string(const World&)> status = {}; ///< for the progress line
     std::function<void(Simulation&)> begin = {};          ///< see Phase
+    bool looks = true; ///< before each sample; else `sample` calls Simulation::look or observe
 };
 
 /// Number of time steps `dt` (s) in a `duration` (s), rounded. `option` names the duration in the

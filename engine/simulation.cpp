@@ -20,26 +20,36 @@ Simulation::Simulation(World world, StepList steps, unsigned threads, ScheduleSe
     prepare();
 }
 
-void Simulation::advance_unseen(std::uint64_t steps) {
-    if (division_.take == nullptr) return run(*world_, schedule_, steps, true);
-    // taking a part and giving it back costs as much as some tens of steps
-    constexpr std::uint64_t fewest = 20;
-    owed_ += steps;
+/// After an error of the steps the whole world is up to date: of all ranks, unlike other errors.
+template <class Steps>
+void Simulation::stop_all_alike(Steps&& steps) {
     try {
-        while (owed_ > 1) { // the last one is for `look`
-            if (part_ != nullptr || (owed_ > fewest && !division_.whole_step_is_due(*world_))) {
-                advance_part();
-            } else {
-                run(*world_, schedule_, 1, false);
-                --owed_;
-            }
-        }
-        if (part_ == nullptr) run(*world_, schedule_, std::exchange(owed_, 0), true);
-    } catch (const SimulationError&) { // of all ranks, unlike other errors
+        steps();
+    } catch (const SimulationError&) {
         owed_ = 0;
         look();
         throw;
     }
+}
+
+void Simulation::advance_unseen(std::uint64_t steps) {
+    if (division_.take == nullptr) return run(*world_, schedule_, steps, true);
+    owed_ += steps;
+    stop_all_alike([&] { advance_owed(); });
+}
+
+void Simulation::advance_owed() {
+    // taking a part and giving it back costs as much as some tens of steps
+    constexpr std::uint64_t fewest = 20;
+    while (owed_ > 1) { // the last one is for `look` or `observe`
+        if (part_ != nullptr || (owed_ > fewest && !division_.whole_step_is_due(*world_))) {
+            advance_part();
+        } else {
+            run(*world_, schedule_, 1, false);
+            --owed_;
+        }
+    }
+    if (part_ == nullptr) run(*world_, schedule_, std::exchange(owed_, 0), true);
 }
 
 /// Computes all but the last of the steps on the part, or those before one that needs the whole
@@ -62,6 +72,7 @@ void Simulation::give_back() {
     for (const auto& [name, seconds] : part_->schedule.seconds())
         seconds_of_parts_[name] += seconds;
     part_.reset();
+    has_records_ = false;
 }
 
 std::map<std::string, double> Simulation::seconds() const {
@@ -74,6 +85,19 @@ void Simulation::look() {
     if (part_ == nullptr) return;
     give_back();
     run(*world_, schedule_, std::exchange(owed_, 0), true);
+}
+
+void Simulation::observe() {
+    if (part_ == nullptr || owed_ == 0) return;
+    if (!division_.can_be_observed(part_->world) || division_.whole_step_is_due(part_->world))
+        return look();
+    stop_all_alike([&] { run(part_->world, part_->schedule, std::exchange(owed_, 0), true); });
+}
+
+const World& Simulation::observed() const {
+    if (!has_records_ || owed_ > 0)
+        throw std::logic_error("contacts of a simulation before it was observed");
+    return part_ != nullptr ? part_->world : *world_;
 }
 
 std::uint64_t Simulation::step() const {
@@ -95,6 +119,7 @@ void Simulation::run(World& world, Schedule& schedule, std::uint64_t steps, bool
             ++clock.step;
         }
     });
+    if (clock.step > before) has_records_ = observed;
     count_.steps += clock.step - before;
     count_.wall_time += seconds_since(began);
     if (health.bad)

@@ -109,23 +109,30 @@ void run(const Settle& settings, const Common& common) {
     if (!run.is_resumed()) frames.add(world);
     double coordination = 0; // in the last sample
     const auto sample = [&](Simulation&, std::uint64_t step) {
-        const double stable = checked_stable_step(world);
+        const bool draws = step % (samples_per_frame * sample_every) == 0 || step == total;
+        draws ? simulation.look() : simulation.observe();
+        require_stable_step(simulation.observed(), last.stable_step());
         const Quantities& q = last.quantities();
         coordination = q.coordination;
-        motion.add({.time = world.resource<Clock>().time(),
+        motion.add({.time = simulation.observed().resource<Clock>().time(),
                     .kinetic_energy = q.kinetic_energy,
                     .elastic_energy = q.elastic_energy,
                     .floor_force_over_weight = q.boundary_force_over_weight(),
                     .coordination = q.coordination,
                     .unbalanced_ratio = q.unbalanced_ratio,
-                    .stable_step = stable});
-        if (step % (samples_per_frame * sample_every) == 0 || step == total) frames.add(world);
+                    .stable_step = last.stable_step()});
+        if (draws) frames.add(world);
         return true;
     };
     const auto status = [&](const World&) {
         return fmt::format("coordination number {:.2f}", coordination);
     };
-    run.go({run.timed({"settle", total, sample_every, sample, status})});
+    run.go({run.timed({.name = "settle",
+                       .steps = total,
+                       .sample_every = sample_every,
+                       .sample = sample,
+                       .status = status,
+                       .looks = false})});
     draw(world, motion, common);
     motion.write_csv(common.out / "settle.csv");
     motion.write_track(frames.file());

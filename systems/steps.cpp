@@ -20,6 +20,7 @@
 #include "systems/sleeve/sleeve.hpp"
 #include "systems/steps/move_spheres.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace bris {
@@ -66,6 +67,10 @@ StepList joined(const std::vector<StepList>& parts) {
 
 StepList begin_of_step() {
     return {
+        // where the world is one rank's part of a whole: not at the end of the step before, after
+        // which the contacts of an observed step are read
+        system("review_candidates", review_candidates),
+        system("exchange_bodies", exchange_bodies),
         system("note_observation", note_observation),
         system("note_readers_of_motion", note_readers_of_motion),
         when(positions_are_due, system("complete_motion", complete_motion)),
@@ -193,8 +198,6 @@ StepList end_of_step() {
         when(is_recording, system("share_motion", share_motion)),
         when(is_recording, system("record_motion", record_motion)),
         system("complete_motion_for_ranks", complete_motion_for_ranks),
-        system("review_candidates", review_candidates),
-        system("exchange_bodies", exchange_bodies),
     };
 }
 
@@ -205,6 +208,15 @@ bool whole_step_is_due(const World& world) {
     if (!fields_are_checked(world)) return false;
     const bool here = fields_are_due(world);
     return world.has_resource<Slab>() ? Ranks::any(here) : here; // a part knows its own rocks only
+}
+
+bool can_be_observed(const World& part) {
+    const auto motion = part.column<Bodies, MotionOf>();
+    bool can = std::ranges::none_of(part.resource<Census>().boundaries, [&](Row b) {
+        return motion[b] == static_cast<std::uint32_t>(Motion::free);
+    });
+    for_each_element_of(part, [&]<class E>() { can = false; });
+    return can;
 }
 
 StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {

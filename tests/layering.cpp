@@ -128,7 +128,8 @@ bool may_include_house(const std::string& file, const std::string& target) {
     static const std::set<std::string> for_components{
         "engine/archive.hpp", "engine/clock.hpp",     "engine/health.hpp",
         "engine/entity.hpp",  "engine/math.hpp",      "engine/component.hpp",
-        "engine/lanes.hpp",   "engine/lane_math.hpp", "engine/signal/true_motion.hpp"};
+        "engine/lanes.hpp",   "engine/lane_math.hpp", "engine/signal/true_motion.hpp",
+        "engine/ranks.hpp",   "engine/exact_sum.hpp"};
     if (within(target, "engine"))
         return may_include_engine(file, target) &&
                (!within(file, "components") || for_components.contains(target));

@@ -176,14 +176,18 @@ void check_first_step(const World& world) {
 }
 
 double checked_stable_step(const World& world) {
-    const Clock& clock = world.resource<Clock>();
     const double stable = stable_step(world);
+    require_stable_step(world, stable);
+    return stable;
+}
+
+void require_stable_step(const World& world, double stable) {
+    const Clock& clock = world.resource<Clock>();
     if (clock.dt > stable)
         throw SimulationError(
             fmt::format("step {}, time {:.6g} s: --step: expected at most the stable step {:.3g} s "
                         "of the contacts that have formed, found {:.3g} s",
                         clock.step, clock.time(), stable, clock.dt));
-    return stable;
 }
 
 } // namespace bris

@@ -24,5 +24,7 @@ void check_first_step(const World& world);
 /// Returns the stable step (s) of the contacts that have formed. Throws SimulationError, naming
 /// --step, if the time step is longer.
 double checked_stable_step(const World& world);
+/// The same check of a stable step that is known.
+void require_stable_step(const World& world, double stable);
 
 } // namespace bris

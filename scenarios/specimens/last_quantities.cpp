@@ -27,12 +27,13 @@ bool LastQuantities::is_outdated(std::uint64_t& steps) const {
 }
 
 const Quantities& LastQuantities::quantities() {
-    if (is_outdated(steps_of_quantities_)) quantities_ = compute_quantities(simulation_.world());
+    if (is_outdated(steps_of_quantities_)) quantities_ = compute_quantities(simulation_.observed());
     return quantities_;
 }
 
 double LastQuantities::stable_step() {
-    if (is_outdated(steps_of_stable_step_)) stable_step_ = bris::stable_step(simulation_.world());
+    if (is_outdated(steps_of_stable_step_))
+        stable_step_ = bris::stable_step(simulation_.observed());
     return stable_step_;
 }
 

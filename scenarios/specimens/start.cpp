@@ -31,7 +31,8 @@ void divide_among_ranks(Simulation& simulation) {
                                return take_slab(whole);
                            },
                        .give_back = give_back,
-                       .whole_step_is_due = whole_step_is_due});
+                       .whole_step_is_due = whole_step_is_due,
+                       .can_be_observed = can_be_observed});
 }
 
 Simulation start_unchecked(World world, const StartSettings& s) {

@@ -5,6 +5,7 @@
 #include "components/elasticity.hpp"
 #include "components/kinds.hpp"
 #include "components/material.hpp"
+#include "components/over_ranks.hpp"
 #include "components/pair.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
@@ -46,14 +47,14 @@ Touch touch_of(const LawTraits& traits, const LawRow& law, const Elasticity& e, 
     return t;
 }
 
-/// The contacts of one kind, body by body, in the order of BodyContacts, so that the result is
-/// always bitwise the same.
+/// The contacts of one kind: of all bodies in the order of the rows, or body by body in that of
+/// BodyContacts, so that the result is always bitwise the same.
 template <class Pairs>
 class Touches {
 public:
     explicit Touches(const World& world) : law_(traits(world.resource<ContactLaw>().law)) {
         if (!world.has<Pairs>()) return;
-        contacts_.emplace(world);
+        index_ = &world.resource<NearIndex<Pairs>>();
         entry_ = world.column<typename Pairs::Near, NearPair>();
         force_ = world.column<typename Pairs::Near, PairForce>();
         rows_ = world.column<Pairs, PairRows>();
@@ -68,7 +69,20 @@ public:
         const Table& near = world.table<typename Pairs::Near>();
         if (near.template has<PatchShare>()) share_ = near.template column<PatchShare>();
     }
-    /// Calls visit(touch) for the contacts of a body.
+    /// Calls visit(row of a body, touch) for both bodies of all contacts.
+    template <class Visit>
+    void visit_all(Visit&& visit) const {
+        if (index_ == nullptr) return;
+        index_->for_touching([&](Row k) {
+            for (const Row b : {body_[entry_[k].owner], rows_[entry_[k].pair].partner_body})
+                visit(b, touch(b, k));
+        });
+    }
+    /// Lists the contacts of marked bodies.
+    void list(const World& world, const std::vector<char>& marked) {
+        if (index_ != nullptr) contacts_.emplace(world, &marked);
+    }
+    /// Calls visit(touch) for the listed contacts of a body.
     template <class Visit>
     void visit(Row b, Visit&& visit) const {
         if (contacts_) contacts_->visit(b, [&](Row k, bool) { visit(touch(b, k)); });
@@ -101,7 +115,8 @@ private:
     }
 
     const LawTraits& law_;
-    std::optional<BodyContacts<Pairs>> contacts_; ///< none: the scene has no such pairs
+    const NearIndex<Pairs>* index_ = nullptr; ///< null: the scene has no such pairs
+    std::optional<BodyContacts<Pairs>> contacts_;
     std::span<const NearEntry> entry_;
     std::span<const ForceRow> force_;
     std::span<const PairRowNumbers> rows_;
@@ -118,18 +133,36 @@ class AllTouches {
 public:
     explicit AllTouches(const World& world)
         : spheres_(world), facets_(world), planes_(world), membrane_(world), springs_(world) {}
-    /// Calls visit(touch) for all that a body touches.
+    /// Calls visit(row, touch) for all that bodies touch, in the order of the rows.
+    template <class Visit>
+    void visit_all(Visit&& visit) const {
+        spheres_.visit_all(visit);
+        facets_.visit_all(visit);
+        planes_.visit_all(visit);
+        membrane_.visit_all(visit);
+        for (const BodySpring& s : springs_.all()) visit(s.body, touch_of_spring(s));
+    }
+    /// Lists what marked bodies touch.
+    void list(const World& world, const std::vector<char>& marked) {
+        spheres_.list(world, marked);
+        facets_.list(world, marked);
+        planes_.list(world, marked);
+        membrane_.list(world, marked);
+    }
+    /// Calls visit(touch) for all that a listed body touches.
     template <class Visit>
     void visit(Row b, Visit&& visit) const {
         spheres_.visit(b, visit);
         facets_.visit(b, visit);
         planes_.visit(b, visit);
         membrane_.visit(b, visit);
-        for (const BodySpring& s : springs_.of(b))
-            visit(Touch{s.stiffness, 0, 0, s.damping, 0, s.arm, s.axis, false});
+        for (const BodySpring& s : springs_.of(b)) visit(touch_of_spring(s));
     }
 
 private:
+    static Touch touch_of_spring(const BodySpring& s) {
+        return {s.stiffness, 0, 0, s.damping, 0, s.arm, s.axis, false};
+    }
     Touches<SpherePairs> spheres_;
     Touches<FacetPairs> facets_;
     Touches<PlanePairs> planes_;
@@ -164,22 +197,42 @@ double largest_eigenvalue(Mat6 m, int squarings) {
     return std::exp((log_scale + std::log(m.norm())) / (1 << squarings));
 }
 
-/// Square root M^-1/2 of the inverse mass matrix of a body. The eigenvalues of M^-1/2 K M^-1/2 are
-/// squares of angular frequencies.
-Mat6 inverse_root(const Table& bodies, Row b) {
-    Mat6 root = Mat6::Zero();
-    root.topLeftCorner<3, 3>() = Mat3::Identity() / std::sqrt(bodies.column<InertialMass>()[b]);
-    if (bodies.has<SphereInertia>()) {
-        root.bottomRightCorner<3, 3>() =
-            Mat3::Identity() / std::sqrt(bodies.column<SphereInertia>()[b]);
-    } else {
-        const Mat3 axes = bodies.column<Orientation>()[b].toRotationMatrix();
-        root.bottomRightCorner<3, 3>() =
-            axes * bodies.column<InertialInertia>()[b].cwiseSqrt().cwiseInverse().asDiagonal() *
-            axes.transpose();
+/// Masses and moments of inertia of bodies, including mass scaling.
+class Inertias {
+public:
+    explicit Inertias(const Table& bodies) : mass_(bodies.column<InertialMass>()) {
+        if (bodies.has<SphereInertia>()) {
+            of_spheres_ = bodies.column<SphereInertia>();
+        } else {
+            of_clumps_ = bodies.column<InertialInertia>();
+            orientation_ = bodies.column<Orientation>();
+        }
     }
-    return root;
-}
+    double mass(Row b) const { return mass_[b]; } ///< kg
+    /// Smallest principal moment of inertia, kg m2.
+    double least(Row b) const {
+        return of_spheres_.empty() ? of_clumps_[b].minCoeff() : of_spheres_[b];
+    }
+    /// Square root M^-1/2 of the inverse mass matrix. The eigenvalues of M^-1/2 K M^-1/2 are
+    /// squares of angular frequencies.
+    Mat6 inverse_root(Row b) const {
+        Mat6 root = Mat6::Zero();
+        root.topLeftCorner<3, 3>() = Mat3::Identity() / std::sqrt(mass_[b]);
+        if (!of_spheres_.empty()) {
+            root.bottomRightCorner<3, 3>() = Mat3::Identity() / std::sqrt(of_spheres_[b]);
+        } else {
+            const Mat3 axes = orientation_[b].toRotationMatrix();
+            root.bottomRightCorner<3, 3>() =
+                axes * of_clumps_[b].cwiseSqrt().cwiseInverse().asDiagonal() * axes.transpose();
+        }
+        return root;
+    }
+
+private:
+    std::span<const double> mass_, of_spheres_; ///< inertia of single spheres, or of clumps
+    std::span<const Vec3> of_clumps_;
+    std::span<const Quat> orientation_;
+};
 
 /// Stable step (s) of a damped mode, 2/omega without damping, for central differences in which the
 /// dashpot's velocity is predicted from the step before.
@@ -189,17 +242,59 @@ double limit(double omega2, double rate) {
                       : std::numeric_limits<double>::infinity();
 }
 
-/// Smallest principal moment of inertia of a body (kg m2), including mass scaling.
-double least_inertia(const Table& bodies, Row b) {
-    return bodies.has<SphereInertia>() ? bodies.column<SphereInertia>()[b]
-                                       : bodies.column<InertialInertia>()[b].minCoeff();
+/// The partner moves too: (x + y)^2 <= 2 x^2 + 2 y^2.
+double share_of(const Touch& t) { return t.between_free_bodies ? 2 : 1; }
+
+/// Lower bounds of the stable steps (s) of all bodies, without matrices: the largest eigenvalue of
+/// a sum of positive matrices is at most the sum of theirs.
+std::vector<double> bounds_of_steps(const AllTouches& touches, const Inertias& inertias,
+                                    std::size_t bodies) {
+    struct Sum {
+        double stiffness = 0, damping = 0;
+    };
+    std::vector<Sum> sums(bodies);
+    touches.visit_all([&](Row b, const Touch& t) {
+        const double light = 1 / inertias.mass(b), turns = 1 / inertias.least(b);
+        const double arm2 = t.arm.squaredNorm(), lever2 = t.arm.cross(t.direction).squaredNorm();
+        const double along = light + turns * lever2, across = light + turns * arm2;
+        // a normal through the centre pushes, and shear turns, in directions that are orthogonal
+        const bool are_orthogonal = lever2 <= 1e-20 * arm2;
+        const auto largest = [&](double normal, double shear) {
+            return are_orthogonal ? std::max(normal * along, shear * across)
+                                  : normal * along + shear * across;
+        };
+        sums[b].stiffness += share_of(t) * (largest(t.normal, t.shear) + turns * t.rolling);
+        sums[b].damping += share_of(t) * largest(t.normal_damping, t.shear_damping);
+    });
+    std::vector<double> steps;
+    for (const Sum& s : sums) steps.push_back(limit(s.stiffness, s.damping));
+    return steps;
+}
+
+/// Stable step (s) of a listed body, or a bound of it that is at least `enough`.
+double step_of(const AllTouches& touches, const Inertias& inertias, Row b, double enough) {
+    Mat6 stiffness = Mat6::Zero(), damping = Mat6::Zero();
+    touches.visit(b, [&](const Touch& t) {
+        stiffness += share_of(t) * block(t, t.normal, t.shear, t.rolling);
+        if (t.normal_damping != 0 || t.shear_damping != 0)
+            damping += share_of(t) * block(t, t.normal_damping, t.shear_damping, 0);
+    });
+    const Mat6 root = inertias.inverse_root(b);
+    const Mat6 k = root * stiffness * root, c = root * damping * root;
+    const auto with = [&](int squarings) {
+        return limit(largest_eigenvalue(k, squarings), largest_eigenvalue(c, squarings));
+    };
+    // the bound from a low power suffices for all bodies but a few
+    const double rough = with(2);
+    return rough < enough ? with(12) : rough;
 }
 
 } // namespace
 
 std::vector<BodyStiffness> body_stiffness(const World& world) {
     std::vector<BodyStiffness> all(world.table<Bodies>().size());
-    const AllTouches touches(world);
+    AllTouches touches(world);
+    touches.list(world, std::vector<char>(all.size(), 1));
     for (Row b = 0; b < all.size(); ++b)
         touches.visit(b, [&](const Touch& t) {
             all[b].translation += std::max(t.normal, t.shear);
@@ -211,27 +306,28 @@ std::vector<BodyStiffness> body_stiffness(const World& world) {
 
 double stable_step(const World& world) {
     const Table& bodies = world.table<Bodies>();
-    const AllTouches touches(world);
-    double step = std::numeric_limits<double>::infinity();
-    for (Row b = 0; b < bodies.size(); ++b) {
-        if (bodies.column<MotionOf>()[b] != free_motion) continue;
-        Mat6 stiffness = Mat6::Zero(), damping = Mat6::Zero();
-        touches.visit(b, [&](const Touch& t) {
-            // the partner moves too: (x + y)^2 <= 2 x^2 + 2 y^2
-            const double both = t.between_free_bodies ? 2 : 1;
-            stiffness += both * block(t, t.normal, t.shear, t.rolling);
-            if (t.normal_damping != 0 || t.shear_damping != 0)
-                damping += both * block(t, t.normal_damping, t.shear_damping, 0);
-        });
-        const Mat6 root = inverse_root(bodies, b);
-        const Mat6 k = root * stiffness * root, c = root * damping * root;
-        const auto step_of = [&](int squarings) {
-            return limit(largest_eigenvalue(k, squarings), largest_eigenvalue(c, squarings));
-        };
-        // the bound from a low power suffices for all bodies but a few
-        if (step_of(2) < step) step = std::min(step, step_of(12));
-    }
-    return step;
+    const auto motion = bodies.column<MotionOf>();
+    const OverRanks ranks(world);
+    const Inertias inertias(bodies);
+    AllTouches touches(world);
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    std::vector<double> bound = bounds_of_steps(touches, inertias, bodies.size());
+    for (Row b = 0; b < bound.size(); ++b)
+        if (motion[b] != free_motion || !ranks.counts(b)) bound[b] = infinite;
+    double step = infinite;
+    const auto look_at = [&](auto&& is_wanted) {
+        std::vector<char> marked(bound.size(), 0);
+        for (Row b = 0; b < bound.size(); ++b) marked[b] = is_wanted(b) ? 1 : 0;
+        touches.list(world, marked);
+        for (Row b = 0; b < bound.size(); ++b)
+            if (marked[b] != 0) step = std::min(step, step_of(touches, inertias, b, step));
+    };
+    // the body of the least bound first: few others can have a shorter step
+    const double least = bound.empty() ? infinite : *std::ranges::min_element(bound);
+    constexpr double margin = 1e-3; // of largest_eigenvalue
+    if (least < infinite) look_at([&](Row b) { return bound[b] == least; });
+    look_at([&](Row b) { return bound[b] > least && (1 - margin) * bound[b] < step; });
+    return ranks.smallest(step);
 }
 
 double stable_step_of_first_contact(const World& world) {
@@ -241,6 +337,7 @@ double stable_step_of_first_contact(const World& world) {
     const auto true_mass = bodies.column<Mass>();
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
     const auto& materials = world.resource<Materials>();
+    const Inertias inertias(bodies);
     const bool spheres = bodies.has<SphereInertia>();
     // fines only soften contacts, so the pairs of materials suffice
     double fastest = 0, step = std::numeric_limits<double>::infinity();
@@ -265,7 +362,7 @@ double stable_step_of_first_contact(const World& world) {
             const double largest = std::max(t.normal, t.shear),
                          damping = std::max(t.normal_damping, t.shear_damping);
             // the normal of a single sphere passes through its centre
-            const double turning = radius[b] * radius[b] / least_inertia(bodies, b);
+            const double turning = radius[b] * radius[b] / inertias.least(b);
             const double omega2 = largest / mass[b] + (spheres ? t.shear : largest) * turning;
             const double rate = damping / mass[b] + (spheres ? t.shear_damping : damping) * turning;
             step = std::min(step, limit(2 * omega2, 2 * rate));

@@ -21,7 +21,7 @@ std::vector<BodyStiffness> body_stiffness(const World& world);
 /// largest eigenvalue of the 6 x 6 blocks M^-1/2 K M^-1/2 of all free bodies, where contacts
 /// between two free bodies count twice. This is a lower bound of the true limit, and 0.8 to 0.9 of
 /// it in beds. Hertz contacts have the stiffness of their present overlaps. Infinite if nothing
-/// touches: see stable_step_of_first_contact.
+/// touches: see stable_step_of_first_contact. Of a divided world as compute_quantities.
 double stable_step(const World& world);
 
 /// Stable time step (s) if every body with mass, including fixed ones, had one contact of the

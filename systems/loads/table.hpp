@@ -70,6 +70,7 @@ public:
     explicit ElementSprings(const World& world);
     /// Those of the body of a row, in the order of the list of elements.
     std::span<const BodySpring> of(Row body) const;
+    std::span<const BodySpring> all() const { return springs_; }
 
 private:
     std::vector<BodySpring> springs_; ///< by row

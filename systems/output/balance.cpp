@@ -3,6 +3,7 @@
 #include "components/body.hpp"
 #include "components/force_sums.hpp"
 #include "components/kinds.hpp"
+#include "components/over_ranks.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
 #include "engine/exact_sum.hpp"
@@ -29,13 +30,17 @@ struct Sum {
         total += integer(units.norm());
         ++contacts;
     }
-    Vec3 resultant() const {
-        return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    Vec3 resultant() const { return {real(x), real(y), real(z)}; }
+    /// Most integers fit into 64 bits, which are converted much faster.
+    static double real(WideInteger wide) {
+        const auto narrow = static_cast<std::int64_t>(wide);
+        return narrow == wide ? static_cast<double>(narrow) : static_cast<double>(wide);
     }
 };
 
 template <class Pairs>
-void add_pairs(const World& world, double per_force, std::vector<Sum>& sums, Balance& balance) {
+void add_pairs(const World& world, const OverRanks& ranks, double per_force, std::vector<Sum>& sums,
+               Balance& balance) {
     if (!world.has<Pairs>()) return;
     const auto near = world.column<typename Pairs::Near, NearPair>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
@@ -43,9 +48,10 @@ void add_pairs(const World& world, double per_force, std::vector<Sum>& sums, Bal
     const auto body = world.column<Listed, ListedBody>();
     world.resource<NearIndex<Pairs>>().for_touching([&](Row k) {
         const Vec3 units = per_force * Vec3(force[k].fx, force[k].fy, force[k].fz);
-        sums[body[near[k].owner]].add(units);
+        const Row owner = body[near[k].owner];
+        sums[owner].add(units);
         sums[rows[near[k].pair].partner_body].add(-units);
-        ++balance.contacts;
+        if (ranks.counts(owner)) ++balance.contacts;
     });
 }
 
@@ -53,20 +59,24 @@ void add_pairs(const World& world, double per_force, std::vector<Sum>& sums, Bal
 
 Balance compute_balance(const World& world) {
     Balance balance;
+    const OverRanks ranks(world);
     std::vector<Sum> sums(world.table<Bodies>().size());
     const double unit = world.resource<ForceGrid>().force; // 0 before the first step
-    for_each_kind_of_pair(
-        [&]<class Pairs>() { add_pairs<Pairs>(world, unit > 0 ? 1 / unit : 0, sums, balance); });
+    for_each_kind_of_pair([&]<class Pairs>() {
+        add_pairs<Pairs>(world, ranks, unit > 0 ? 1 / unit : 0, sums, balance);
+    });
     const auto motion = world.column<Bodies, MotionOf>();
     const OuterForces outer(world);
     ExactSum unbalanced, total;
     for (Row b = 0; b < sums.size(); ++b) {
-        if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
+        if (motion[b] != static_cast<std::uint32_t>(Motion::free) || !ranks.counts(b)) continue;
         ++balance.free_bodies;
         if (sums[b].contacts == 0) ++balance.idle_bodies;
         unbalanced.add((unit * sums[b].resultant() + outer(b)).norm());
-        total.add(unit * static_cast<double>(sums[b].total) + outer.magnitude(b));
+        total.add(unit * Sum::real(sums[b].total) + outer.magnitude(b));
     }
+    ranks.add({&unbalanced, &total});
+    ranks.add({&balance.contacts, &balance.free_bodies, &balance.idle_bodies});
     if (total.value() > 0) balance.unbalanced_ratio = unbalanced.value() / total.value();
     return balance;
 }

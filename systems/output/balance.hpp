@@ -15,7 +15,8 @@ struct Balance {
     std::size_t idle_bodies = 0; ///< free bodies without contacts
 };
 
-/// Computes the balance. The bits do not depend on the order of the rows.
+/// Computes the balance, of a divided world as compute_quantities does. The bits do not depend on
+/// the order of the rows.
 Balance compute_balance(const World& world);
 
 } // namespace bris

@@ -35,7 +35,8 @@ struct Quantities {
     }
 };
 
-/// Computes the quantities of the world after the last step. Reads only.
+/// Computes the quantities of the world after the last step: of a whole one, or with the other
+/// ranks of one of which each has a part (Simulation::observed), to the same bits. Reads only.
 Quantities compute_quantities(const World& world);
 
 /// J, of the weights of all bodies, above the origin; 0 without gravity.

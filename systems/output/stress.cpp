@@ -2,8 +2,8 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/over_ranks.hpp"
 #include "engine/exact_sum.hpp"
-#include "engine/ordering.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/output/outer_force.hpp"
 
@@ -29,17 +29,18 @@ struct StressSums {
 };
 
 template <class Pairs>
-void add_pairs(const World& world, const RowIndex& rows, StressSums& s) {
+void add_pairs(const World& world, const OverRanks& ranks, StressSums& s) {
+    if (!world.has<Pairs>()) return;
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
-    for_touching_pairs<Pairs>(world, [&](const TouchingPair& p) {
+    TouchingPairs<Pairs>(world).visit([&](const TouchingPair& p) {
+        if (!ranks.counts(p.owner)) return;
         const Vec3 force(p.force.fx, p.force.fy, p.force.fz),
             point(p.force.px, p.force.py, p.force.pz);
-        const Row owner = rows[p.names.owner], partner = rows[p.names.partner];
-        if (motion[partner] == static_cast<std::uint32_t>(Motion::free)) {
-            s.contact.add(force, position[owner] - position[partner]);
+        if (motion[p.partner] == static_cast<std::uint32_t>(Motion::free)) {
+            s.contact.add(force, position[p.owner] - position[p.partner]);
         } else {
-            s.contact.add(force, position[owner] - point);
+            s.contact.add(force, position[p.owner] - point);
             s.boundary.add(force, -point);
         }
     });
@@ -55,14 +56,16 @@ double Stresses::mismatch() const {
 }
 
 Stresses compute_stresses(const World& world) {
-    const RowIndex rows(world.column<Bodies, BodyId>());
+    const OverRanks ranks(world);
     StressSums sums;
-    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, rows, sums); });
+    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, ranks, sums); });
     const OuterForces outer(world);
     const auto motion = world.column<Bodies, MotionOf>();
     for (Row r = 0; outer.any() && r < motion.size(); ++r)
-        if (motion[r] == static_cast<std::uint32_t>(Motion::free))
+        if (motion[r] == static_cast<std::uint32_t>(Motion::free) && ranks.counts(r))
             sums.boundary.add(outer(r), -world.column<Bodies, Position>()[r]);
+    ranks.add(
+        {&sums.contact.axial, &sums.contact.radial, &sums.boundary.axial, &sums.boundary.radial});
     return {sums.contact.value(), sums.boundary.value()};
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace bris {
 
@@ -34,7 +35,7 @@ void agree_on_lists(const Slab&, ListState& lists, Health& health) {
 }
 
 void exchange_bodies(Slab& slab, World& world) {
-    if (!world.resource<ListState>().stale || world.resource<Health>().bad) return;
+    if (std::exchange(slab.just_taken, false) || !world.resource<ListState>().stale) return;
     slab.cuts = detail::even_cuts(detail::work_of_ranks(world, slab.axis), slab.ranks());
     detail::share_outlines(slab, world);
     const auto ghost = world.column<Bodies, Ghost>();

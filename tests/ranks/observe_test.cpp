@@ -1,0 +1,106 @@
+#include "scenarios/specimens/facet_bodies.hpp"
+#include "scenarios/specimens/small_scene.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/balance.hpp"
+#include "systems/output/quantities.hpp"
+#include "systems/output/stress.hpp"
+#include "tests/extreme_scenes.hpp"
+
+#include <doctest/doctest.h>
+
+#include <vector>
+
+using namespace bris;
+
+namespace {
+
+/// All numbers of a sample.
+std::vector<double> numbers_of(const World& world) {
+    const Quantities q = compute_quantities(world);
+    const Stresses s = compute_stresses(world);
+    const Balance b = compute_balance(world);
+    return {q.kinetic_energy,
+            q.elastic_energy,
+            q.coordination,
+            q.mean_overlap,
+            q.largest_overlap,
+            q.mean_normal_force,
+            q.unbalanced_ratio,
+            q.boundary_force.x(),
+            q.boundary_force.z(),
+            q.weight.z(),
+            s.contact.axial,
+            s.contact.radial,
+            s.boundary.axial,
+            s.boundary.radial,
+            stable_step(world),
+            static_cast<double>(q.contacts),
+            static_cast<double>(q.body_contacts),
+            static_cast<double>(b.contacts),
+            static_cast<double>(b.free_bodies),
+            static_cast<double>(b.idle_bodies)};
+}
+
+/// A heap that rolls along x, from one slab into the next.
+Simulation heap(Grains grains, Walls walls) {
+    World world = bed({.grains = grains, .walls = walls, .bodies = 90, .seed = 12});
+    world.resource<Gravity>().value = Vec3(30, 0, -30);
+    return begin(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+}
+
+} // namespace
+
+TEST_SUITE("ranks") {
+    TEST_CASE("samples of parts have the bits of samples of the whole, and change none of the "
+              "steps that follow") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps})
+            for (const Walls walls : {Walls::planes, Walls::facets}) {
+                CAPTURE(static_cast<int>(grains));
+                CAPTURE(static_cast<int>(walls));
+                Simulation whole = heap(grains, walls), divided = heap(grains, walls);
+                whole.divide({});
+                double contacts = 0, parts = 0;
+                for (int sample = 0; sample < 60; ++sample) {
+                    whole.advance(37);
+                    divided.advance_unseen(37);
+                    if (sample % 20 == 19) {
+                        divided.look();
+                    } else {
+                        divided.observe();
+                        parts += divided.part() != nullptr ? 1 : 0;
+                    }
+                    const auto expected = numbers_of(whole.world());
+                    CAPTURE(sample);
+                    CHECK(numbers_of(divided.observed()) == expected);
+                    contacts = expected[15];
+                }
+                CHECK(contacts > 20);
+                CHECK(parts > 50);
+                divided.advance_unseen(37);
+                divided.observe();
+                divided.look();
+                whole.advance(37);
+                CHECK_THROWS((void)divided.observed()); // the whole has no records of contacts
+                CHECK(divided.snapshot().arrays().size() == whole.snapshot().arrays().size());
+                CHECK(fingerprint(divided.snapshot()) == fingerprint(whole.snapshot()));
+            }
+    }
+
+    TEST_CASE("a scene whose boundaries are free is observed as a whole") {
+        const auto make = [] {
+            World world = bed({.grains = Grains::clumps, .bodies = 60, .seed = 3});
+            const Vec3 box = box_of({.grains = Grains::clumps, .bodies = 60});
+            (void)add_block(world, Vec3(box.x() / 2, box.y() / 2, 0.75 * box.z()),
+                            Quat(Quat::Identity()), Vec3(0.02, 0.035, 0.015), 0.02, 1);
+            return begin(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+        };
+        Simulation divided = make(), whole = make();
+        whole.divide({});
+        whole.advance(2000);
+        divided.advance_unseen(2000);
+        REQUIRE(divided.part() != nullptr);
+        divided.observe();
+        CHECK(divided.part() == nullptr);
+        CHECK(numbers_of(divided.observed()) == numbers_of(whole.world()));
+    }
+}
