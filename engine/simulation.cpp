@@ -95,8 +95,7 @@ void Simulation::observe() {
 }
 
 const World& Simulation::observed() const {
-    if (!has_records_ || owed_ > 0)
-        throw std::logic_error("contacts of a simulation before it was observed");
+    if (!is_observed()) throw std::logic_error("contacts of a simulation before it was observed");
     return part_ != nullptr ? part_->world : *world_;
 }
 
@@ -119,7 +118,7 @@ void Simulation::run(World& world, Schedule& schedule, std::uint64_t steps, bool
             ++clock.step;
         }
     });
-    if (clock.step > before) has_records_ = observed;
+    if (clock.step > before) has_records_ = clock.observed;
     count_.steps += clock.step - before;
     count_.wall_time += seconds_since(began);
     if (health.bad)

@@ -61,6 +61,8 @@ public:
     /// this rank's part of it, or the whole where the step needed it. Sums over bodies and contacts
     /// are sums over the ranks (OverRanks).
     const World& observed() const;
+    /// Whether there are such records: not after steps that nobody observed or that failed.
+    bool is_observed() const { return has_records_ && owed_ == 0; }
     std::uint64_t step() const; ///< number of the present step, up to date in any case
     const StepCount& count() const { return count_; }
     /// Seconds of each node so far, if timed: of the whole world, and of the parts that were given

@@ -265,7 +265,7 @@ struct BrokerClient::Connection {
         if (was_refused_now || was_broken_now) {
             // what is wrong is known
         } else if (rc == MOSQ_ERR_TLS || !tls_problem.empty() ||
-                   (rc == MOSQ_ERR_PROTOCOL && !settings.ca_file.empty())) // of release 2.0.21
+                   (rc == MOSQ_ERR_ERRNO && error == EPROTO)) // of release 2.0.21
             problem = described(fmt::format(
                 "no TLS connection with the authorities of '{}': {}", settings.ca_file.string(),
                 tls_problem.empty() ? "the other side speaks no TLS" : tls_problem));

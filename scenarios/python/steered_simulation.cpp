@@ -13,6 +13,7 @@
 #include "systems/recorder/record_motion.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <pybind11/stl.h>

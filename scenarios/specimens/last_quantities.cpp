@@ -22,6 +22,7 @@ auto fields_of(Q& q, S& stable_step) {
 } // namespace
 
 bool LastQuantities::is_outdated(std::uint64_t& steps) const {
+    if (!simulation_.is_observed()) return false; // the run has failed
     const std::uint64_t before = std::exchange(steps, simulation_.count().steps);
     return before != steps;
 }

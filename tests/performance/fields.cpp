@@ -15,6 +15,7 @@
 #include "systems/fields/solid_fraction.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
