@@ -92,7 +92,7 @@ TEST_SUITE("contact/edges") {
             Contact contact(rock(), partner);
             const ForceLanes f = contact.step(check.overlap);
             CHECK(f.z[0] == about(check.force).epsilon(1e-5));
-            CHECK(contact.worn[0] == about(check.radius).epsilon(1e-5));
+            CHECK(double{contact.worn[0]} == about(check.radius).epsilon(1e-5));
             const Blunted<double> edge = blunt(contact.edges(), check.overlap, contact.radius, 0.0);
             CHECK(2 * contact.hertz().kn / pi * std::sqrt(edge.overlap / edge.radius) ==
                   about(6e7).epsilon(1e-12));
@@ -100,7 +100,7 @@ TEST_SUITE("contact/edges") {
         Material rigid{.name = "rigid", .young_modulus = 1e30};
         Contact on_rigid(rock(), rigid);
         CHECK(on_rigid.step(5.61227e-5).z[0] == about(129.70).epsilon(1e-4));
-        CHECK(on_rigid.worn[0] == about(0.112286).epsilon(1e-5));
+        CHECK(double{on_rigid.worn[0]} == about(0.112286).epsilon(1e-5));
     }
 
     TEST_CASE("a blunted contact loads, unloads and loads again along the closed form, and yields "
@@ -140,7 +140,7 @@ TEST_SUITE("contact/edges") {
             // the step in which the force ends is corrected for the part of it that had no contact
             CHECK(std::abs(found - exact) <=
                   (exact > 0 ? 1e-8 * exact : 1e-6 * elastic(deepest, worn)));
-            CHECK(contact.worn[0] == about(worn).epsilon(1e-12));
+            CHECK(double{contact.worn[0]} == about(worn).epsilon(1e-12));
         }
         CHECK(work == about(taken).epsilon(2e-4)); // what the cycle took, edges have dissipated
         CHECK(taken > 0);
@@ -154,8 +154,9 @@ TEST_SUITE("contact/edges") {
         CHECK(rest_at(1.5 * deepest) ==
               about(first_loading(modulus, h, f, tip, 1.5 * deepest)).epsilon(1e-8));
         (void)contact.step(-1e-6, -1e-6 / contact.dt);
-        CHECK(contact.worn[0] == 0); // surfaces that have parted meet as if for the first time
-        CHECK(contact.spring.stiffness[0] == 0);
+        // surfaces that have parted meet as if for the first time
+        CHECK(double{contact.worn[0]} == 0);
+        CHECK(double{contact.spring.stiffness[0]} == 0);
     }
 
     TEST_CASE("the energy of a contact that yields is the integral of its unloading") {

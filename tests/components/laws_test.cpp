@@ -222,14 +222,14 @@ TEST_SUITE("contact/laws") {
               "would forget") {
         Contact<HertzMindlinRolling> contact;
         (void)contact.step(0, Vec3(0.3, 0.1, 0), 0, Vec3(5, -3, 2));
-        CHECK(contact.spring.stiffness[0] == 0);
-        CHECK(contact.spring.x[0] == 0);
-        CHECK(contact.spring.y[0] == 0);
-        CHECK(contact.roll.x[0] == 0);
-        CHECK(contact.roll.twist[0] == 0);
+        CHECK(double{contact.spring.stiffness[0]} == 0);
+        CHECK(double{contact.spring.x[0]} == 0);
+        CHECK(double{contact.spring.y[0]} == 0);
+        CHECK(double{contact.roll.x[0]} == 0);
+        CHECK(double{contact.roll.twist[0]} == 0);
         (void)contact.step(1e-5, Vec3(0.3, 0.1, 0), 0, Vec3(5, -3, 2));
-        CHECK(contact.spring.x[0] != 0);
-        CHECK(contact.roll.x[0] != 0);
+        CHECK(double{contact.spring.x[0]} != 0);
+        CHECK(double{contact.roll.x[0]} != 0);
     }
 
     TEST_CASE("rolling and twisting have their own limits and histories") {
@@ -237,9 +237,9 @@ TEST_SUITE("contact/laws") {
         ForceLanes f{};
         for (int s = 0; s < 1000; ++s) f = contact.step(1e-5, Vec3::Zero(), 0, Vec3(100, 0, 100));
         const double most = 0.1 * 0.005 * 1e9 * 1e-5; // friction times R* times normal force
-        CHECK(f.torque_x[0] == about(-most).epsilon(1e-12));
-        CHECK(f.torque_z[0] == about(-most).epsilon(1e-12));
-        CHECK(f.work.rolling[0] == about(2 * most * 100 * 1e-5).epsilon(1e-9));
+        CHECK(double{f.torque_x[0]} == about(-most).epsilon(1e-12));
+        CHECK(double{f.torque_z[0]} == about(-most).epsilon(1e-12));
+        CHECK(double{f.work.rolling[0]} == about(2 * most * 100 * 1e-5).epsilon(1e-9));
     }
 
     TEST_CASE(
