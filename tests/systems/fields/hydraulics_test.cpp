@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <initializer_list>
+
 using namespace bris;
 
 TEST_SUITE("fields/hydraulics") {
