@@ -111,7 +111,7 @@ void run(const Settle& settings, const Common& common) {
     const auto sample = [&](Simulation&, std::uint64_t step) {
         const bool draws = step % (samples_per_frame * sample_every) == 0 || step == total;
         draws ? simulation.look() : simulation.observe();
-        require_stable_step(simulation.observed(), last.stable_step());
+        check_stable_step(simulation.observed(), last.stable_step());
         const Quantities& q = last.quantities();
         coordination = q.coordination;
         motion.add({.time = simulation.observed().resource<Clock>().time(),

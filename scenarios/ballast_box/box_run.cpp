@@ -232,7 +232,7 @@ Phase BoxTestRun::loading(const Run& run, SeriesOf<CycleSample>& cycles,
                     const std::uint64_t k = done * samples / per_cycle + 1,
                                         next = (k * per_cycle + samples - 1) / samples;
                     s.advance(std::min(std::max<std::uint64_t>(next, done + 1), total) - done);
-                    (void)checked_stable_step(s.world());
+                    check_stable_step(s.world());
                     add_sample(s.world(), cycles);
                     const std::uint64_t now = run.steps_in_phase();
                     if (now % per_cycle == 0 && !box_.is_dynamic()) raise_masses(s.world());

@@ -61,7 +61,7 @@ Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& tr
                     const std::uint64_t steps = steps_per_sample(world);
                     if (since(world) < duration) {
                         s.advance(steps);
-                        (void)checked_stable_step(world);
+                        check_stable_step(world);
                         const double last_axle =
                             duration - settings.rails(world).reach() / speed; // is above the tie
                         if (world.resource<BoxState>().pressed_support == 0 &&

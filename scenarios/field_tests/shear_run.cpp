@@ -205,7 +205,7 @@ Phase shear(const ShearBox& box, const ShearTest& test, SeriesOf<ShearSample>& c
                     mean.below += f.below / parts;
                     mean.weight = f.weight;
                 }
-                (void)checked_stable_step(world);
+                check_stable_step(world);
                 (void)scale_masses(world, dt, box.safety, true);
                 state.displacement = value_of<Position>(world, halves.lower).x();
                 add_sample(world, box, mean, curve);

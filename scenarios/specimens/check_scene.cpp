@@ -175,13 +175,9 @@ void check_first_step(const World& world) {
                         step));
 }
 
-double checked_stable_step(const World& world) {
-    const double stable = stable_step(world);
-    require_stable_step(world, stable);
-    return stable;
-}
+void check_stable_step(const World& world) { check_stable_step(world, stable_step(world)); }
 
-void require_stable_step(const World& world, double stable) {
+void check_stable_step(const World& world, double stable) {
     const Clock& clock = world.resource<Clock>();
     if (clock.dt > stable)
         throw SimulationError(

@@ -21,10 +21,9 @@ void check_overlaps(World& world);
 /// Throws InputError, naming --step, if it is longer than the stable step of a first contact.
 void check_first_step(const World& world);
 
-/// Returns the stable step (s) of the contacts that have formed. Throws SimulationError, naming
-/// --step, if the time step is longer.
-double checked_stable_step(const World& world);
-/// The same check of a stable step that is known.
-void require_stable_step(const World& world, double stable);
+/// Throws SimulationError, naming --step, if the time step is longer than the stable step of the
+/// contacts that have formed, or than a `stable` step (s) that is known.
+void check_stable_step(const World& world);
+void check_stable_step(const World& world, double stable);
 
 } // namespace bris

@@ -44,7 +44,7 @@ void Bay::advance_turn() {
         done += now;
         if (interrupted()) throw Interrupted("interrupted");
     }
-    (void)checked_stable_step(simulation_.world());
+    check_stable_step(simulation_.world());
 }
 
 double Bay::load(double force, unsigned axles) {

@@ -245,15 +245,16 @@ double limit(double omega2, double rate) {
 /// The partner moves too: (x + y)^2 <= 2 x^2 + 2 y^2.
 double share_of(const Touch& t) { return t.between_free_bodies ? 2 : 1; }
 
-/// Lower bounds of the stable steps (s) of all bodies, without matrices: the largest eigenvalue of
-/// a sum of positive matrices is at most the sum of theirs.
+/// Lower bounds of the stable steps (s) of wanted bodies, infinite for others, without matrices:
+/// the largest eigenvalue of a sum of positive matrices is at most the sum of theirs.
 std::vector<double> bounds_of_steps(const AllTouches& touches, const Inertias& inertias,
-                                    std::size_t bodies) {
+                                    const std::vector<char>& wanted) {
     struct Sum {
         double stiffness = 0, damping = 0;
     };
-    std::vector<Sum> sums(bodies);
+    std::vector<Sum> sums(wanted.size());
     touches.visit_all([&](Row b, const Touch& t) {
+        if (wanted[b] == 0) return;
         const double light = 1 / inertias.mass(b), turns = 1 / inertias.least(b);
         const double arm2 = t.arm.squaredNorm(), lever2 = t.arm.cross(t.direction).squaredNorm();
         const double along = light + turns * lever2, across = light + turns * arm2;
@@ -311,9 +312,10 @@ double stable_step(const World& world) {
     const Inertias inertias(bodies);
     AllTouches touches(world);
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    std::vector<double> bound = bounds_of_steps(touches, inertias, bodies.size());
-    for (Row b = 0; b < bound.size(); ++b)
-        if (motion[b] != free_motion || !ranks.counts(b)) bound[b] = infinite;
+    std::vector<char> wanted(bodies.size());
+    for (Row b = 0; b < wanted.size(); ++b)
+        wanted[b] = motion[b] == free_motion && ranks.counts(b) ? 1 : 0;
+    const std::vector<double> bound = bounds_of_steps(touches, inertias, wanted);
     double step = infinite;
     const auto look_at = [&](auto&& is_wanted) {
         std::vector<char> marked(bound.size(), 0);
