@@ -35,19 +35,6 @@ std::vector<std::uint32_t> ids_of(const Archive& archive, const std::string& key
     return ids;
 }
 
-/// Hash of the rows `first_row` to `end_row` - 1 of the arrays whose path starts with `prefix`.
-std::uint64_t hash_of(std::span<const Archive::Array> arrays, const std::string& prefix,
-                      std::size_t first_row, std::size_t end_row) {
-    std::uint64_t h = 0x62726973;
-    for (const auto& array : arrays) {
-        if (!array.path.starts_with(prefix)) continue;
-        const std::size_t width = array.scalar_size * array.columns;
-        h = mix(mix(h, array.scalar_size), array.columns);
-        h = mix_bytes(h, array.bytes.data() + first_row * width, (end_row - first_row) * width);
-    }
-    return h;
-}
-
 } // namespace
 
 void require_numbers(const std::string& path, std::size_t expected, std::size_t found) {
@@ -71,15 +58,13 @@ const Archive::Array& Archive::checked(const std::string& path, std::size_t scal
     return *array;
 }
 
-std::vector<StateBlock> hash_blocks(const Archive& archive, const std::string& prefix) {
+void for_pieces(const Archive& archive,
+                const std::function<void(std::size_t, const StatePiece&)>& visit) {
     const auto& all = archive.arrays();
-    std::vector<StateBlock> blocks;
     for (std::size_t first = 0, end = 0; first < all.size(); first = end) {
         const std::string& key = all[first].key;
         for (end = first + 1; !key.empty() && end < all.size() && all[end].key == key;) ++end;
         const std::span table(all.data() + first, end - first);
-        const auto matches = [&](const auto& array) { return array.path.starts_with(prefix); };
-        if (std::ranges::none_of(table, matches)) continue;
         const std::vector<std::uint32_t> ids = ids_of(archive, key);
         const std::size_t rows = key.empty() ? all[first].rows() : ids.size();
         for (const auto& array : table)
@@ -87,14 +72,39 @@ std::vector<StateBlock> hash_blocks(const Archive& archive, const std::string& p
                     fmt::format("checkpoint: '{}': expected {} rows, found {}", array.path, rows,
                                 array.rows()));
         std::size_t row = 0;
-        do { // a table without rows has one block, for its shape
+        do { // a table without rows has one piece, for its shape
             const std::uint32_t block = ids.empty() ? 0 : ids[row] / ids_per_block;
             std::size_t next = ids.empty() ? rows : row;
             while (next < ids.size() && ids[next] / ids_per_block == block) ++next;
-            blocks.push_back({first, block, hash_of(table, prefix, row, next)});
+            StatePiece piece{.arrays = {}, .ids = block, .first_row = row, .rows_of_table = rows};
+            for (const auto& array : table) {
+                const std::size_t width = array.width();
+                piece.arrays.push_back(
+                    {&array, std::span(array.bytes).subspan(row * width, (next - row) * width)});
+            }
+            visit(first, piece);
             row = next;
         } while (row < rows);
     }
+}
+
+std::uint64_t hash_of(const StatePiece& piece, const std::string& prefix) {
+    std::uint64_t h = 0x62726973;
+    for (const auto& [array, bytes] : piece.arrays) {
+        if (!array->path.starts_with(prefix)) continue;
+        h = mix(mix(h, array->scalar_size), array->columns);
+        h = mix_bytes(h, bytes.data(), bytes.size());
+    }
+    return h;
+}
+
+std::vector<StateBlock> hash_blocks(const Archive& archive, const std::string& prefix) {
+    std::vector<StateBlock> blocks;
+    for_pieces(archive, [&](std::size_t first, const StatePiece& piece) {
+        const auto matches = [&](const auto& rows) { return rows.array->path.starts_with(prefix); };
+        if (std::ranges::any_of(piece.arrays, matches))
+            blocks.push_back({first, piece.ids, hash_of(piece, prefix)});
+    });
     return blocks;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <string>
 #include <tuple>
@@ -26,7 +27,8 @@ public:
         /// Path of the array that holds the ids of the rows, of which the first number counts (32
         /// bits, ascending); empty: the rows have none.
         std::string key = {};
-        std::size_t rows() const { return bytes.size() / (scalar_size * columns); }
+        std::size_t width() const { return scalar_size * columns; } ///< bytes of a row
+        std::size_t rows() const { return bytes.size() / width(); }
     };
 
     void put(Array array) { arrays_.push_back(std::move(array)); }
@@ -91,9 +93,29 @@ struct StateBlock {
     bool operator==(const StateBlock&) const = default;
 };
 
+/// What is hashed and written of State at once: the rows of such a block, or an array without ids.
+struct StatePiece {
+    struct Rows {
+        const Archive::Array* array; ///< whose bytes do not matter here
+        std::span<const std::byte> bytes;
+        /// The array without rows.
+        Archive::Array layout() const {
+            return {array->path, array->scalar, array->scalar_size, array->columns, {}, array->key};
+        }
+    };
+    std::vector<Rows> arrays; ///< of the table
+    std::uint32_t ids = 0;    ///< as in StateBlock
+    std::size_t first_row = 0, rows_of_table = 0;
+};
+/// Calls visit(index of the first array, piece) for all pieces of an archive in the order of arrays
+/// and ids. Throws InputError if the arrays of a table differ in their number of rows.
+void for_pieces(const Archive& archive,
+                const std::function<void(std::size_t, const StatePiece&)>& visit);
+/// Hash of the shapes and values of the arrays of a piece whose path starts with `prefix`.
+std::uint64_t hash_of(const StatePiece& piece, const std::string& prefix = "");
+
 /// The blocks of all arrays whose path starts with `prefix`, in the order of arrays and ids. Each
-/// can be hashed by whoever holds its rows. Throws InputError if the arrays of a table differ in
-/// their number of rows.
+/// can be hashed by whoever holds its rows. Throws as for_pieces.
 std::vector<StateBlock> hash_blocks(const Archive& archive, const std::string& prefix = "");
 
 /// 64-bit hash of the shapes and values of those blocks, in their order. Names are left out, so

@@ -171,13 +171,14 @@ void Run::require_steps_left(std::uint64_t steps, const std::string& option) con
 
 void Run::save_as(const std::string& name) const {
     const Saving saving;
-    simulation_.look();
-    Checkpoint checkpoint{common_.scenario, clock().step, common_.settings, simulation_.snapshot()};
+    simulation_.observe();
+    Checkpoint checkpoint{common_.scenario, simulation_.step(), common_.settings, {}};
     const std::array<std::uint64_t, 3> position{position_.phase, position_.first_step,
                                                 position_.begun ? std::uint64_t{1} : 0};
     checkpoint.state.put(position_path, std::span<const std::uint64_t>(position));
     for (const Kept& kept : kept_) kept.save(checkpoint.state);
-    write_checkpoint(checkpoint_file(name), checkpoint);
+    const StateOfWorld state = simulation_.state();
+    write_checkpoint(checkpoint_file(name), checkpoint, &state);
     Ranks::meet();
 }
 
@@ -195,7 +196,7 @@ void Run::add_to_summary(Summary& summary) const {
     summary.add("time_per_step_s",
                 count.wall_time / static_cast<double>(std::max<std::uint64_t>(1, count.steps)));
     summary.add("memory_largest_MiB", static_cast<double>(largest_memory()) * 0x1p-20);
-    summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
+    summary.add("fingerprint", hexadecimal(fingerprint(simulation_.state())));
 }
 
 } // namespace bris

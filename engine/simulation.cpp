@@ -126,6 +126,12 @@ void Simulation::run(World& world, Schedule& schedule, std::uint64_t steps, bool
             fmt::format("step {}, time {:.6g} s: {}", clock.step, clock.time(), health.what));
 }
 
+StateOfWorld Simulation::state() const {
+    if (owed_ > 0) throw std::logic_error("State of a simulation before its last step");
+    return part_ != nullptr ? StateOfWorld(part_->world, *world_, division_.rows_to_save)
+                            : StateOfWorld(*world_);
+}
+
 Archive Simulation::snapshot() const {
     if (part_ != nullptr)
         throw std::logic_error("snapshot of a simulation before it was looked at");

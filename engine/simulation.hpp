@@ -2,6 +2,7 @@
 
 #include "engine/parallel.hpp"
 #include "engine/schedule.hpp"
+#include "engine/state_of_world.hpp"
 #include "engine/world.hpp"
 
 #include <map>
@@ -25,6 +26,8 @@ struct Division {
     /// Whether the next step needs the whole world. All ranks ask before each step, of their parts
     /// or of the whole, and find the same.
     bool (*whole_step_is_due)(const World& world) = nullptr;
+    /// Rows of a table that this rank has to give of its part (StateOfWorld).
+    StateOfWorld::RowsOfPart rows_to_save = nullptr;
     /// Whether sums over the parts are those over the whole (Simulation::observe).
     bool (*can_be_observed)(const World& part) = nullptr;
 };
@@ -76,7 +79,10 @@ public:
     /// Binds the schedule again after tables, columns or resources were added.
     void prepare() { schedule_.prepare(*world_); }
 
-    /// A copy of all State in memory; `restore` puts it back to the same bits.
+    /// The State after `look` or `observe`, until the next step: all ranks read it together, and it
+    /// comes to the first one.
+    StateOfWorld state() const;
+    /// A copy of all State in memory, after `look`; `restore` puts it back to the same bits.
     Archive snapshot() const;
     void restore(const Archive& state);
 

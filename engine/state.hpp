@@ -5,8 +5,7 @@
 
 namespace bris {
 
-/// All State of a world: every State column in the order of the table's key, then the resources.
-/// The bits do not depend on the order of the rows in memory.
+/// The State of a world (StateOfWorld), all of it in memory.
 Archive save_state(const World& world);
 
 /// Loads a saved state into a world of the same scene. Afterwards the rows are in key order, and

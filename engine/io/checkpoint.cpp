@@ -45,14 +45,14 @@ void synchronise_directory(const fs::path& directory) {
     close(handle);
 }
 
-/// The numbers of an array.
+/// Bytes as numbers.
 template <class T>
-std::span<T> numbers_of(Archive::Array& array) {
-    return {reinterpret_cast<T*>(array.bytes.data()), array.bytes.size() / sizeof(T)};
+std::span<T> numbers_in(std::vector<std::byte>& bytes) {
+    return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
 }
 template <class T>
-std::span<const T> numbers_of(const Archive::Array& array) {
-    return {reinterpret_cast<const T*>(array.bytes.data()), array.bytes.size() / sizeof(T)};
+std::span<const T> numbers_in(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
 }
 
 /// Calls `with(T{})` for the type that represents the numbers of an array in the file.
@@ -74,46 +74,68 @@ void dispatch(Scalar scalar, std::size_t size, Action&& with) {
 
 constexpr auto block_columns = 3; ///< of /blocks: index of the first array, number of ids, hash
 
-/// Writes the arrays and their hashes. Returns where the bytes of the arrays are in the file.
-std::vector<FileRange> write_state(Hdf5File& file, const Archive& state,
-                                   const std::vector<StateBlock>& blocks) {
-    std::string order; // HDF5 lists names alphabetically, so the order is kept as text
-    for (const Archive::Array& array : state.arrays()) {
-        dispatch(array.scalar, array.scalar_size, [&]<class T>(T) {
-            file.write("/state/" + array.path, numbers_of<T>(array), {array.rows(), array.columns});
-        });
-        order += fmt::format("{} {} {} {}\n", array.path,
-                             array.scalar == Scalar::real ? "real" : "integer", array.scalar_size,
-                             array.key.empty() ? "-" : array.key);
-    }
-    std::vector<std::uint64_t> table;
-    for (const StateBlock& block : blocks)
-        table.insert(table.end(), {block.array, block.ids, block.hash});
-    file.write("/blocks", std::span<const std::uint64_t>(table), {blocks.size(), block_columns});
-    file.set_attribute("/", "arrays", order);
-    std::vector<FileRange> ranges;
-    for (const Archive::Array& array : state.arrays())
-        if (const FileRange range = file.range_of("/state/" + array.path); range.bytes > 0)
-            ranges.push_back(range);
-    std::ranges::sort(ranges, {}, &FileRange::first);
-    return ranges;
-}
+/// Writes State as its pieces pass.
+class StateWriter {
+public:
+    explicit StateWriter(Hdf5File& file) : file_(file) {}
 
-std::vector<FileRange> write_content(const fs::path& path, const Checkpoint& checkpoint) {
+    void write(const StatePiece& piece) {
+        for (const auto& [array, bytes] : piece.arrays) {
+            const std::string path = "/state/" + array->path;
+            dispatch(array->scalar, array->scalar_size, [&]<class T>(T) {
+                if (piece.first_row == 0)
+                    file_.make<T>(path, {piece.rows_of_table, array->columns});
+                file_.write_rows(path, piece.first_row, numbers_in<T>(bytes));
+            });
+        }
+        hashes_.add(piece);
+    }
+    /// Writes what is known at the end. Returns where the bytes of the arrays are in the file.
+    std::vector<FileRange> finish() {
+        std::string order; // HDF5 lists names alphabetically, so the order is kept as text
+        std::vector<FileRange> ranges;
+        for (const Archive::Array& array : hashes_.arrays().arrays()) {
+            order += fmt::format("{} {} {} {}\n", array.path,
+                                 array.scalar == Scalar::real ? "real" : "integer",
+                                 array.scalar_size, array.key.empty() ? "-" : array.key);
+            if (const FileRange range = file_.range_of("/state/" + array.path); range.bytes > 0)
+                ranges.push_back(range);
+        }
+        std::vector<std::uint64_t> table;
+        for (const StateBlock& block : hashes_.blocks())
+            table.insert(table.end(), {block.array, block.ids, block.hash});
+        file_.write("/blocks", std::span<const std::uint64_t>(table),
+                    {hashes_.blocks().size(), block_columns});
+        file_.set_attribute("/", "arrays", order);
+        file_.set_attribute("/", "fingerprint", hashes_.fingerprint());
+        std::ranges::sort(ranges, {}, &FileRange::first);
+        return ranges;
+    }
+
+private:
+    Hdf5File& file_;
+    StateHashes hashes_;
+};
+
+std::vector<FileRange> write_content(const fs::path& path, const Checkpoint& checkpoint,
+                                     const StateSource* state) {
     Hdf5File file = Hdf5File::create(path);
     file.make_group("/state");
     file.make_group("/settings");
-    const std::vector<StateBlock> blocks = hash_blocks(checkpoint.state);
-    const auto ranges = write_state(file, checkpoint.state, blocks);
+    StateWriter writer(file);
+    if (state != nullptr) state->for_pieces([&](const StatePiece& piece) { writer.write(piece); });
+    for_pieces(checkpoint.state,
+               [&](std::size_t, const StatePiece& piece) { writer.write(piece); });
+    const auto ranges = writer.finish();
     std::string keys;
     for (const NamedValue& entry : checkpoint.settings) {
+        if (std::ranges::count(settings_that_may_differ(), entry.key) > 0) continue;
         file.set_attribute("/settings", entry.key, entry.text());
         keys += entry.key + "\n";
     }
     file.set_attribute("/", "bris_checkpoint", format_version);
     file.set_attribute("/", "scenario", checkpoint.scenario);
     file.set_attribute("/", "step", checkpoint.step);
-    file.set_attribute("/", "fingerprint", fingerprint(checkpoint.state, blocks));
     file.set_attribute("/", "settings", keys);
     file.close();
     return ranges;
@@ -133,7 +155,7 @@ Archive read_state(const Hdf5File& file) {
                              {},   key == "-" ? "" : key};
         array.bytes.resize(shape[0] * shape[1] * size);
         dispatch(array.scalar, size,
-                 [&]<class T>(T) { file.read_into("/state/" + path, numbers_of<T>(array)); });
+                 [&]<class T>(T) { file.read_into("/state/" + path, numbers_in<T>(array.bytes)); });
         state.put(std::move(array));
     }
     return state;
@@ -185,13 +207,18 @@ Checkpoint read_content(const fs::path& path) {
 
 } // namespace
 
-void write_checkpoint(const std::filesystem::path& name, const Checkpoint& checkpoint) {
-    if (!Ranks::writes()) return;
+void write_checkpoint(const std::filesystem::path& name, const Checkpoint& checkpoint,
+                      const StateSource* state) {
+    if (!Ranks::writes()) {
+        if (state != nullptr) state->for_pieces({});
+        (void)Ranks::writes(); // the ranks may have met since, and the file is not complete
+        return;
+    }
     const Saving saving;
     const fs::path path = file_to_write(name);
     try {
         UnfinishedFile unfinished(path);
-        seal_file(unfinished.path(), write_content(unfinished.path(), checkpoint));
+        seal_file(unfinished.path(), write_content(unfinished.path(), checkpoint, state));
         unfinished.put_in_place();
     } catch (const OutputError& problem) {
         throw OutputError(

@@ -2,6 +2,7 @@
 
 #include "engine/archive.hpp"
 #include "engine/named_value.hpp"
+#include "engine/state_source.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -20,13 +21,16 @@ struct Checkpoint {
     Archive state;
 };
 
-/// Writes NAME.ckpt.h5: datasets under /state by their paths, settings as attributes of /settings.
+/// Writes NAME.ckpt.h5: datasets under /state by their paths, settings as attributes of /settings
+/// without those that may differ, so that the same State has the same bytes.
 /// The file is written under a temporary name, synchronised and renamed, so that a reader finds
 /// either the old file or the complete new one, also after a crash or when the disk is full. Every
 /// block of State has a hash (/blocks: index of its first array, ids / 65 536, hash), and a seal at
-/// the end of the file guards everything else (seal_file). Only the first rank writes. Throws
-/// OutputError.
-void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
+/// the end of the file guards everything else (seal_file). Only the first rank writes. `state`
+/// comes before the State of the checkpoint, and is not null where that has only what belongs to
+/// it. Throws OutputError.
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint,
+                      const StateSource* state = nullptr);
 
 /// Reads a checkpoint; `state` has the same bits as when it was written. The seal is checked first,
 /// then the blocks.

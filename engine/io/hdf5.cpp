@@ -1,19 +1,16 @@
 #include "engine/io/hdf5.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/io/hdf5_library.hpp"
 #include "engine/ranks.hpp"
 
 #include <fmt/format.h>
-#include <hdf5.h>
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <fcntl.h>
-#include <mutex>
-#include <new>
 #include <numeric>
-#include <pthread.h>
 #include <stdexcept>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -25,31 +22,6 @@ namespace bris {
 namespace {
 
 constexpr std::size_t most_bytes = std::size_t{1} << 38; // 256 GiB in one dataset
-
-/// The library as built by Debian allows one thread at a time, even for different files, and prints
-/// its errors unless told otherwise.
-class Alone {
-public:
-    Alone() : lock_(mutex()) {
-        // The library must not clean up when the process ends, because it crashes there after a
-        // failed write (disk full); every file is closed by its owner. This holds only if it is the
-        // first call into the library: any other call initialises it, and so registers the cleanup.
-        static const herr_t without_cleanup = H5dont_atexit();
-        static_cast<void>(without_cleanup);
-        // a child process starts while no thread is in the library, and has a lock of its own
-        static const int forks = pthread_atfork([] { mutex().lock(); }, [] { mutex().unlock(); },
-                                                [] { new (&mutex()) std::recursive_mutex; });
-        static_cast<void>(forks);
-        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    }
-
-private:
-    static std::recursive_mutex& mutex() {
-        static std::recursive_mutex one;
-        return one;
-    }
-    std::lock_guard<std::recursive_mutex> lock_;
-};
 
 /// Description of the innermost error of the failed call.
 std::string reason() {
@@ -113,31 +85,6 @@ void cut_to_size(int descriptor) {
     ::close(descriptor);
 }
 
-/// A handle that is closed when it goes out of scope.
-template <herr_t (*close)(hid_t)>
-class Handle {
-public:
-    explicit Handle(hid_t id) : id_(id) {}
-    Handle(const Handle&) = delete;
-    Handle& operator=(const Handle&) = delete;
-    ~Handle() {
-        if (id_ >= 0) close(id_);
-    }
-    operator hid_t() const { return id_; }
-    /// Closes now; false if that failed. A dataset's last values are written when it is closed.
-    bool closed_well() { return close(std::exchange(id_, -1)) >= 0; }
-
-private:
-    hid_t id_;
-};
-using Object = Handle<H5Oclose>;
-using Group = Handle<H5Gclose>;
-using Dataset = Handle<H5Dclose>;
-using Space = Handle<H5Sclose>;
-using Type = Handle<H5Tclose>;
-using Properties = Handle<H5Pclose>;
-using Attribute = Handle<H5Aclose>;
-
 std::vector<hsize_t> extents(hid_t space) {
     const int rank = H5Sget_simple_extent_ndims(space);
     std::vector<hsize_t> extent(rank > 0 ? static_cast<std::size_t>(rank) : 0);
@@ -151,14 +98,17 @@ hsize_t product(const std::vector<hsize_t>& extent, std::size_t from = 0) {
                            hsize_t{1}, std::multiplies<>{});
 }
 
-std::vector<hsize_t> dimensions(const Hdf5File::Shape& shape) {
-    return {shape.begin(), shape.end()};
-}
-
 /// Property list that creates intermediate groups on the way to an object.
 hid_t with_parents() {
     const hid_t list = H5Pcreate(H5P_LINK_CREATE);
     H5Pset_create_intermediate_group(list, 1);
+    return list;
+}
+
+/// The same values give the same bytes at any time of the day.
+hid_t without_times() {
+    const hid_t list = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_obj_track_times(list, 0);
     return list;
 }
 
@@ -306,20 +256,6 @@ bool Hdf5File::is_group(const std::string& object) const {
     return H5Iget_type(opened) == H5I_GROUP;
 }
 
-std::vector<std::string> Hdf5File::attribute_names(const std::string& object) const {
-    const Alone alone;
-    const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
-    if (opened < 0) fail("open", object);
-    std::vector<std::string> list;
-    const auto note = [](hid_t, const char* name, const H5A_info_t*, void* target) -> herr_t {
-        static_cast<std::vector<std::string>*>(target)->emplace_back(name);
-        return 0;
-    };
-    if (H5Aiterate2(opened, H5_INDEX_NAME, H5_ITER_INC, nullptr, note, &list) < 0)
-        fail("list the attributes of", object);
-    return list;
-}
-
 void Hdf5File::make_group(const std::string& group) {
     if (discards_) return;
     const Alone alone;
@@ -352,6 +288,31 @@ std::int64_t Hdf5File::type_of(Kind kind) {
     }
 }
 
+namespace {
+
+/// Number of rows that some values are.
+hsize_t rows_in(const std::string& dataset, const std::vector<hsize_t>& extent,
+                std::size_t number) {
+    const hsize_t per_row = extent.empty() ? 0 : product(extent, 1);
+    if (per_row == 0 || number % per_row != 0)
+        throw std::logic_error(
+            fmt::format("{}: {} values in rows of {}", dataset, number, per_row));
+    return number / per_row;
+}
+
+bool put_rows(hid_t dataset, hid_t type, hsize_t first, hsize_t rows,
+              const std::vector<hsize_t>& extent, const void* values) {
+    std::vector<hsize_t> start(extent.size(), 0), block = extent;
+    start[0] = first;
+    block[0] = rows;
+    const Space target(H5Dget_space(dataset));
+    H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+    const Space source(H5Screate_simple(static_cast<int>(block.size()), block.data(), nullptr));
+    return H5Dwrite(dataset, type, source, target, H5P_DEFAULT, values) >= 0;
+}
+
+} // namespace
+
 void Hdf5File::write(const std::string& dataset, Kind kind, const void* values, std::size_t count,
                      const Shape& shape) {
     if (discards_) return;
@@ -361,9 +322,9 @@ void Hdf5File::write(const std::string& dataset, Kind kind, const void* values, 
         throw std::logic_error(
             fmt::format("{}: {} values for a shape of {}", dataset, count, product(extent)));
     const Space space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
-    const Properties parents(with_parents());
-    Dataset made(H5Dcreate2(file_, dataset.c_str(), type_of(kind), space, parents, H5P_DEFAULT,
-                            H5P_DEFAULT));
+    const Properties parents(with_parents()), creation(without_times());
+    Dataset made(
+        H5Dcreate2(file_, dataset.c_str(), type_of(kind), space, parents, creation, H5P_DEFAULT));
     if (made < 0 || H5Dwrite(made, type_of(kind), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0 ||
         !made.closed_well())
         fail("write", dataset);
@@ -382,11 +343,41 @@ void Hdf5File::make_growing(const std::string& dataset, Kind kind, const Shape& 
     }
     const int rank = static_cast<int>(extent.size());
     const Space space(H5Screate_simple(rank, extent.data(), most.data()));
-    const Properties parents(with_parents()), creation(H5Pcreate(H5P_DATASET_CREATE));
+    const Properties parents(with_parents()), creation(without_times());
     H5Pset_chunk(creation, rank, chunk.data());
     const Dataset made(
         H5Dcreate2(file_, dataset.c_str(), type_of(kind), space, parents, creation, H5P_DEFAULT));
     if (made < 0) fail("create", dataset);
+}
+
+void Hdf5File::make(const std::string& dataset, Kind kind, const Shape& shape) {
+    if (discards_) return;
+    const Alone alone;
+    const auto extent = dimensions(shape);
+    const Space space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
+    const Properties parents(with_parents()), creation(without_times());
+    // its place in the file does not depend on the order in which rows are written
+    H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
+    H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
+    Dataset made(
+        H5Dcreate2(file_, dataset.c_str(), type_of(kind), space, parents, creation, H5P_DEFAULT));
+    if (made < 0 || !made.closed_well()) fail("create", dataset);
+}
+
+void Hdf5File::write_rows(const std::string& dataset, Kind kind, std::uint64_t first,
+                          const void* values, std::size_t number) {
+    if (discards_) return;
+    const Alone alone;
+    Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", dataset);
+    const auto extent = extents(Space(H5Dget_space(opened)));
+    const hsize_t rows = rows_in(dataset, extent, number);
+    if (rows == 0) return;
+    if (first + rows > extent[0])
+        throw std::logic_error(
+            fmt::format("{}: {} rows from {} on of {}", dataset, rows, first, extent[0]));
+    if (!put_rows(opened, type_of(kind), first, rows, extent, values) || !opened.closed_well())
+        fail("write", dataset);
 }
 
 void Hdf5File::append(const std::string& dataset, Kind kind, const void* values,
@@ -396,21 +387,11 @@ void Hdf5File::append(const std::string& dataset, Kind kind, const void* values,
     Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
     if (opened < 0) fail("open", dataset);
     auto extent = extents(Space(H5Dget_space(opened)));
-    const hsize_t per_row = extent.empty() ? 0 : product(extent, 1);
-    if (per_row == 0 || number % per_row != 0)
-        throw std::logic_error(
-            fmt::format("{}: {} values in rows of {}", dataset, number, per_row));
-    if (number == 0) return;
-    std::vector<hsize_t> start(extent.size(), 0), block = extent;
-    start[0] = extent[0];
-    block[0] = number / per_row;
-    extent[0] += block[0];
+    const hsize_t rows = rows_in(dataset, extent, number), first = extent.front();
+    if (rows == 0) return;
+    extent[0] += rows;
     if (H5Dset_extent(opened, extent.data()) < 0) fail("extend", dataset);
-    const Space target(H5Dget_space(opened));
-    H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
-    const Space source(H5Screate_simple(static_cast<int>(block.size()), block.data(), nullptr));
-    if (H5Dwrite(opened, type_of(kind), source, target, H5P_DEFAULT, values) < 0 ||
-        !opened.closed_well())
+    if (!put_rows(opened, type_of(kind), first, rows, extent, values) || !opened.closed_well())
         fail("write", dataset);
 }
 
@@ -464,99 +445,6 @@ std::string in_words(const Hdf5File::Shape& shape) {
     for (const std::uint64_t extent : shape)
         text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
     return text.empty() ? "a scalar" : text;
-}
-
-namespace {
-
-/// Writes an attribute, replacing an earlier one of that name; false on failure.
-bool put_attribute(hid_t object, const char* name, hid_t type, hid_t space, const void* data) {
-    if (H5Aexists(object, name) > 0 && H5Adelete(object, name) < 0) return false;
-    const Attribute made(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
-    return made >= 0 && H5Awrite(made, type, data) >= 0;
-}
-
-std::string attribute_path(const std::string& object, const std::string& name) {
-    return fmt::format("attribute {}@{}", object, name);
-}
-
-} // namespace
-
-void Hdf5File::set_attribute(const std::string& object, const std::string& name, Kind kind,
-                             const void* values, const Shape& shape) {
-    if (discards_) return;
-    const Alone alone;
-    const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
-    const auto extent = dimensions(shape);
-    const Space space(extent.empty() ? H5Screate(H5S_SCALAR)
-                                     : H5Screate_simple(1, extent.data(), nullptr));
-    if (opened < 0 || !put_attribute(opened, name.c_str(), type_of(kind), space, values))
-        fail("write", attribute_path(object, name));
-}
-
-void Hdf5File::set_attribute(const std::string& object, const std::string& name,
-                             const std::string& value) {
-    if (discards_) return;
-    const Alone alone;
-    const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
-    const Space space(H5Screate(H5S_SCALAR));
-    const Type type(H5Tcopy(H5T_C_S1)); // fixed length, the only kind that every VTK reader accepts
-    H5Tset_size(type, std::max<std::size_t>(value.size(), 1));
-    H5Tset_strpad(type, H5T_STR_NULLPAD);
-    const bool ascii = std::all_of(value.begin(), value.end(),
-                                   [](char c) { return static_cast<unsigned char>(c) < 128; });
-    H5Tset_cset(type, ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8);
-    if (opened < 0 || !put_attribute(opened, name.c_str(), type, space, value.c_str()))
-        fail("write", attribute_path(object, name));
-}
-
-bool Hdf5File::has_attribute(const std::string& object, const std::string& name) const {
-    const Alone alone;
-    if (object != "/" && !has(object)) return false;
-    return H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
-}
-
-std::size_t Hdf5File::attribute_count(const std::string& object, const std::string& name) const {
-    const Alone alone;
-    const Attribute opened(
-        H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
-    if (opened < 0) fail("read", attribute_path(object, name));
-    const hssize_t number = H5Sget_simple_extent_npoints(Space(H5Aget_space(opened)));
-    if (number < 0) fail("read", attribute_path(object, name));
-    return static_cast<std::size_t>(number);
-}
-
-void Hdf5File::attribute(const std::string& object, const std::string& name, Kind kind,
-                         void* values) const {
-    const Alone alone;
-    const Attribute opened(
-        H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
-    if (opened < 0 || H5Aread(opened, type_of(kind), values) < 0)
-        fail("read", attribute_path(object, name));
-}
-
-std::string Hdf5File::text_attribute(const std::string& object, const std::string& name) const {
-    const Alone alone;
-    const Attribute opened(
-        H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
-    if (opened < 0) fail("read", attribute_path(object, name));
-    const Type stored(H5Aget_type(opened));
-    const Space space(H5Aget_space(opened));
-    if (H5Tget_class(stored) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
-        throw OutputError(fmt::format("cannot read {} in '{}': not a text",
-                                      attribute_path(object, name), path_.string()));
-    if (H5Tis_variable_str(stored) > 0) {
-        char* text = nullptr; // the library's; null: an empty text
-        if (H5Aread(opened, stored, &text) < 0) fail("read", attribute_path(object, name));
-        const std::string value = text != nullptr ? text : "";
-        H5Dvlen_reclaim(stored, space, H5P_DEFAULT, &text);
-        return value;
-    }
-    std::string value(H5Tget_size(stored), '\0');
-    if (H5Aread(opened, stored, value.data()) < 0) fail("read", attribute_path(object, name));
-    value.resize(std::min(value.find('\0'), value.size()));
-    if (H5Tget_strpad(stored) == H5T_STR_SPACEPAD) // as Fortran writes
-        value.resize(value.find_last_not_of(' ') + 1);
-    return value;
 }
 
 } // namespace bris

@@ -63,6 +63,16 @@ public:
     void write(const std::string& dataset, std::span<const T> values) {
         write(dataset, values, Shape{values.size()});
     }
+    /// Creates a dataset of fixed shape, whose rows are then written, in any order and number of
+    /// calls: all of them.
+    template <Hdf5Number T>
+    void make(const std::string& dataset, const Shape& shape) {
+        make(dataset, kind_of<T>(), shape);
+    }
+    template <Hdf5Number T>
+    void write_rows(const std::string& dataset, std::uint64_t first, std::span<const T> values) {
+        write_rows(dataset, kind_of<T>(), first, values.data(), values.size());
+    }
     /// Creates an empty dataset that grows by rows. `row`: shape of a row (empty: a single number).
     /// `rows_per_chunk`: number of rows that are usually appended at once.
     template <Hdf5Number T>
@@ -139,6 +149,9 @@ private:
                            const std::string& why) const;
     void write(const std::string& dataset, Kind kind, const void* values, std::size_t count,
                const Shape& shape);
+    void make(const std::string& dataset, Kind kind, const Shape& shape);
+    void write_rows(const std::string& dataset, Kind kind, std::uint64_t first, const void* values,
+                    std::size_t count);
     void make_growing(const std::string& dataset, Kind kind, const Shape& row,
                       std::uint64_t rows_per_chunk);
     void append(const std::string& dataset, Kind kind, const void* values, std::size_t count);

@@ -32,6 +32,7 @@ void divide_among_ranks(Simulation& simulation) {
                            },
                        .give_back = give_back,
                        .whole_step_is_due = whole_step_is_due,
+                       .rows_to_save = rows_to_save,
                        .can_be_observed = can_be_observed});
 }
 

@@ -197,13 +197,22 @@ void keep_bodies(World& world, std::span<const Row> bodies) {
     world.table<Bodies>().keep(kept);
 }
 
+std::optional<std::vector<Row>> rows_of_bodies(const World& world, std::span<const Row> bodies,
+                                               const Table& table) {
+    if (table.name() == Bodies::name) return std::vector<Row>(bodies.begin(), bodies.end());
+    if (table.name() == Spheres::name) return spheres_of(world, bodies);
+    std::optional<std::vector<Row>> rows;
+    for_pair_tables(world, [&]<class Pairs>() {
+        if (table.name() == Pairs::name) rows = pairs_of<Pairs>(world, bodies);
+    });
+    return rows;
+}
+
 World copy_of_bodies(const World& whole, std::span<const Row> bodies) {
     const auto rows_of = [&](const Table& table) -> std::optional<std::vector<Row>> {
         if (table.name() == Bodies::name) return with_boundaries(whole, bodies);
-        if (table.name() == Spheres::name) return spheres_of(whole, bodies);
-        std::optional<std::vector<Row>> rows;
+        auto rows = rows_of_bodies(whole, bodies, table);
         for_pair_tables(whole, [&]<class Pairs>() {
-            if (table.name() == Pairs::name) rows = pairs_of<Pairs>(whole, bodies);
             if (table.name() == Pairs::Near::name) rows.emplace();
         });
         if (table.name() == Listed::name || table.name() == ForceSums::name) rows.emplace();

@@ -3,7 +3,9 @@
 #include "engine/ranks.hpp"
 #include "engine/world.hpp"
 
+#include <optional>
 #include <span>
+#include <vector>
 
 namespace bris::detail {
 
@@ -25,6 +27,9 @@ void overwrite_bodies(World& world, const Ranks::Bytes& packed);
 /// Removes all bodies with spheres, and what belongs to them, but those of `bodies`. The bodies
 /// without spheres remain and become the first rows.
 void keep_bodies(World& world, std::span<const Row> bodies);
+/// The rows of a table that belong to bodies with spheres; nullopt: it has none of such bodies.
+std::optional<std::vector<Row>> rows_of_bodies(const World& world, std::span<const Row> bodies,
+                                               const Table& table);
 /// A world that has these bodies with spheres only, and of its lists nothing.
 World copy_of_bodies(const World& whole, std::span<const Row> bodies);
 

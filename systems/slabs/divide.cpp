@@ -1,4 +1,5 @@
 #include "engine/health.hpp"
+#include "engine/ordering.hpp"
 #include "engine/ranks.hpp"
 #include "systems/slabs/body_rows.hpp"
 #include "systems/slabs/cuts.hpp"
@@ -22,6 +23,14 @@ std::pair<Vec3, Vec3> box_of_grains(const World& world) {
         high = high.cwiseMax(position[b]);
     }
     return {low, high};
+}
+
+/// Rows of the bodies with spheres that this rank computes.
+std::vector<Row> own_grains(const World& part) {
+    const auto ghost = part.column<Bodies, Ghost>();
+    std::vector<Row> own = detail::grains_of(part);
+    std::erase_if(own, [&](Row b) { return ghost[b] != 0; });
+    return own;
 }
 
 /// Tables of boundaries and elements are the same on all ranks, and none of their rows move.
@@ -94,10 +103,20 @@ World take_slab(const World& whole) {
     return part;
 }
 
+std::vector<Row> rows_to_save(const World& part, const Table& table) {
+    const auto own = own_grains(part);
+    if (auto rows = detail::rows_of_bodies(part, own, table)) {
+        if (table.name() == Bodies::name && Ranks::is_first()) {
+            const auto boundaries = detail::boundaries_of(part);
+            rows->insert(rows->end(), boundaries.begin(), boundaries.end());
+        }
+        return *rows;
+    }
+    return Ranks::is_first() ? all_rows(table.size()) : std::vector<Row>{};
+}
+
 void give_back(const World& part, World& whole) {
-    const auto ghost = part.column<Bodies, Ghost>();
-    std::vector<Row> own = detail::grains_of(part);
-    std::erase_if(own, [&](Row b) { return ghost[b] != 0; });
+    const auto own = own_grains(part);
     for_each_kind_of_pair([&]<class Pairs>() {
         if (whole.has<Pairs>()) whole.table<Pairs>().resize(0);
     });

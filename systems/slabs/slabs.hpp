@@ -39,6 +39,10 @@ std::vector<unsigned> ranks_of_bodies(const World& whole);
 /// Writes the State of all parts back into the whole world of each rank.
 void give_back(const World& part, World& whole);
 
+/// The rows of a table that this rank saves of its part: what belongs to its own bodies, and on the
+/// first rank what all have.
+std::vector<Row> rows_to_save(const World& part, const Table& table);
+
 /// At the end of a step: if the lists of one rank are used up, all ranks make new ones in the next
 /// step, since the others would wait for it. If the guard of one rank has found trouble, all stop.
 void agree_on_lists(const Slab& slab, ListState& lists, Health& health);

@@ -1,6 +1,7 @@
 #include "engine/errors.hpp"
 #include "engine/math.hpp"
 #include "engine/state.hpp"
+#include "tests/engine/things.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,16 +11,6 @@ using namespace bris;
 
 namespace {
 
-struct Things {
-    static constexpr auto name = "things";
-};
-struct Name : State<std::uint32_t> {
-    static constexpr auto name = "id", unit = "";
-    static constexpr bool is_key = true;
-};
-struct Heat : State<double> {
-    static constexpr auto name = "heat", unit = "K";
-};
 struct Glow : Derived<double> {
     static constexpr auto name = "glow", unit = "W";
 };
