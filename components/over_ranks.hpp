@@ -39,6 +39,7 @@ public:
     }
     double largest(double here) const { return is_divided_ ? Ranks::largest(here) : here; }
     double smallest(double here) const { return -largest(-here); }
+    bool is_divided() const { return is_divided_; }
 
 private:
     Ghosts ghosts_;

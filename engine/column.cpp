@@ -124,6 +124,11 @@ void Column::resize(std::size_t rows) {
     size_ = rows;
 }
 
+void Column::release() {
+    block_ = Block();
+    size_ = capacity_ = written_ = 0;
+}
+
 void Column::keep(std::span<const Row> rows) {
     const std::size_t width = type_.value_size, before = size_;
     size_ = rows.size();

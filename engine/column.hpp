@@ -47,6 +47,8 @@ public:
     void resize(std::size_t rows);
     /// Keeps these rows only, in this order.
     void keep(std::span<const Row> rows);
+    /// Removes all rows and their memory.
+    void release();
 
     template <Component C>
     static Type type_of() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -34,6 +35,9 @@ public:
     static void largest(std::span<double> entries);
     /// What each rank sends to this one, given what this one sends to each; by rank.
     static std::vector<Bytes> exchange(const std::vector<Bytes>& to);
+    /// Gives the first rank what all have, by rank; the others then have nothing. Plain data.
+    template <class T>
+    static void gather(std::vector<T>& values);
     /// What every rank gives, by rank, on all ranks.
     static std::vector<Bytes> share(const Bytes& here);
 
@@ -60,6 +64,25 @@ public:
     };
     static const Traffic& traffic();
 };
+
+template <class T>
+void Ranks::gather(std::vector<T>& values) {
+    if (size() == 1) return;
+    std::vector<Bytes> to(size());
+    const auto bytes = std::as_bytes(std::span(values));
+    to[0].assign(bytes.begin(), bytes.end());
+    values = {};
+    std::vector<Bytes> from = exchange(to);
+    to.clear();
+    std::size_t count = 0;
+    for (const Bytes& some : from) count += some.size() / sizeof(T);
+    values.resize(count);
+    auto next = std::as_writable_bytes(std::span(values)).begin();
+    for (Bytes& some : from) {
+        next = std::ranges::copy(some, next).out;
+        some = {};
+    }
+}
 
 /// Starts and ends MPI if the program was started as one rank of several. To be made once, in main.
 class RanksOfProgram {

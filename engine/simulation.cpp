@@ -55,16 +55,24 @@ void Simulation::advance_owed() {
 /// Computes all but the last of the steps on the part, or those before one that needs the whole
 /// world.
 void Simulation::advance_part() {
-    if (part_ == nullptr) {
-        ScheduleSettings settings = settings_;
-        settings.serial = true; // messages are sent by the thread that runs main
-        part_ = std::make_unique<Part>(division_.take(*world_), steps_, settings);
-    }
+    if (part_ == nullptr) take_part();
     const Clock& clock = part_->world.resource<Clock>();
     const std::uint64_t before = clock.step;
     run(part_->world, part_->schedule, owed_ - 1, false, division_.whole_step_is_due);
     owed_ -= clock.step - before;
     if (owed_ > 1) give_back();
+}
+
+void Simulation::take_part() {
+    ScheduleSettings settings = settings_;
+    settings.serial = true; // messages are sent by the thread that runs main
+    part_ = std::make_unique<Part>(division_.take(*world_), steps_, settings);
+    has_records_ = count_.steps == 0; // before the first step there are none to lose
+}
+
+World& Simulation::divide_now() {
+    if (division_.take != nullptr && part_ == nullptr) take_part();
+    return part_ != nullptr ? part_->world : *world_;
 }
 
 void Simulation::give_back() {

@@ -19,9 +19,10 @@ struct StepCount {
 
 /// How a world is divided among the ranks of a run.
 struct Division {
-    /// This rank's part of the whole world, which all ranks have.
+    /// This rank's part of the whole world, which all ranks have, and from which what the parts
+    /// have is removed.
     World (*take)(World& whole) = nullptr;
-    /// Writes the State of all parts back into the whole world of each rank.
+    /// Makes the whole world of each rank again, of the State of all parts.
     void (*give_back)(const World& part, World& whole) = nullptr;
     /// Whether the next step needs the whole world. All ranks ask before each step, of their parts
     /// or of the whole, and find the same.
@@ -34,9 +35,10 @@ struct Division {
 
 /// A world with its schedule and threads. The world must hold a Clock and a Health.
 ///
-/// On several ranks (`divide`) every rank has the whole world, and all call the same functions.
-/// `advance` computes the steps on the parts, but those that need it and the last one on the whole
-/// world, so that whoever looks finds there what they would find without ranks, to the same bits.
+/// On several ranks (`divide`) every rank begins with the whole world, and all call the same
+/// functions. `advance` computes the steps on the parts, but those that need it and the last one on
+/// the whole world, so that whoever looks finds there what they would find without ranks, to the
+/// same bits. While there are parts, the whole world has no bodies.
 class Simulation {
 public:
     Simulation(World world, StepList steps, unsigned threads = 1, ScheduleSettings settings = {});
@@ -74,6 +76,9 @@ public:
 
     /// Divides the world among the ranks of the run while it advances.
     void divide(Division division) { division_ = division; }
+    /// Divides it before the first step, so that no rank makes lists of the whole. Returns this
+    /// rank's part; without ranks the whole.
+    World& divide_now();
     /// This rank's part after advance_unseen; null while there is none.
     const World* part() const { return part_ ? &part_->world : nullptr; }
     /// Binds the schedule again after tables, columns or resources were added.
@@ -102,6 +107,7 @@ private:
     };
     void advance_owed();
     void advance_part();
+    void take_part();
     void give_back();
     template <class Steps>
     void stop_all_alike(Steps&& steps);

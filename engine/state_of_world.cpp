@@ -112,21 +112,7 @@ void sort_rows(std::vector<Archive::Array>& arrays) {
 
 /// Gives the first rank the rows of all, in the order of the ids.
 void gather(std::vector<Archive::Array>& arrays) {
-    std::vector<Ranks::Bytes> to(Ranks::size());
-    if (!Ranks::is_first())
-        for (const Archive::Array& array : arrays)
-            to[0].insert(to[0].end(), array.bytes.begin(), array.bytes.end());
-    std::size_t width = 0;
-    for (const Archive::Array& array : arrays) width += array.width();
-    for (const Ranks::Bytes& from : Ranks::exchange(to)) {
-        const std::size_t rows = from.size() / width;
-        auto next = from.begin();
-        for (Archive::Array& array : arrays) {
-            const auto end = next + static_cast<std::ptrdiff_t>(rows * array.width());
-            array.bytes.insert(array.bytes.end(), next, end);
-            next = end;
-        }
-    }
+    for (Archive::Array& array : arrays) Ranks::gather(array.bytes);
     sort_rows(arrays);
 }
 

@@ -43,6 +43,12 @@ void Table::resize(std::size_t rows) {
     size_ = rows;
 }
 
+void Table::release() {
+    for (auto& column : columns_) column->release();
+    size_ = 0;
+    idle_.clear();
+}
+
 void Table::keep(std::span<const Row> rows) {
     for (auto& column : columns_) column->keep(rows);
     size_ = rows.size();

@@ -52,6 +52,8 @@ public:
     void resize(std::size_t rows);
     /// Keeps these rows only, in this order: row `rows[r]` moves to row r.
     void keep(std::span<const Row> rows);
+    /// Removes all rows and their memory.
+    void release();
 
     /// Marks blocks of `idle_rows` rows that row-local systems skip, one flag per block; empty: no
     /// block is skipped.

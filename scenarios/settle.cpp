@@ -1,6 +1,7 @@
 // Spheres settle in a box under gravity. This is the bed on which speed is measured.
 #include "engine/io/series.hpp"
 #include "engine/memory.hpp"
+#include "engine/ranks.hpp"
 #include "engine/report.hpp"
 #include "engine/run.hpp"
 #include "scenarios/specimens/check_scene.hpp"
@@ -17,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace {
 
@@ -44,10 +46,18 @@ struct Settle {
 constexpr std::uint64_t samples = 200, samples_per_frame = 4;
 constexpr LawName law = LawName::linear_viscous;
 
+/// Whether frames are made of the whole world.
+bool looks(const Settle& settings) {
+    const Extras extras = settings.written.extras();
+    return extras.surfaces || extras.contacts;
+}
+
 Simulation make_simulation(const Settle& settings, const Common& common) {
     SphereBed bed = settings.bed;
     bed.seed = common.seed;
-    require_memory("spheres", bed.spheres, bytes_of_spheres(bed.spheres), common.memory_limit);
+    const unsigned ranks = looks(settings) || settings.relax ? 1 : Ranks::size();
+    require_memory("spheres", bed.spheres, bytes_of_spheres(bed.spheres, ranks),
+                   common.memory_limit);
     World world = make_sphere_bed(bed);
     const bool starts = common.resume.empty(), relaxes = starts && settings.relax;
     if (relaxes && !common.explain) relax_start(world, law, common);
@@ -56,7 +66,7 @@ Simulation make_simulation(const Settle& settings, const Common& common) {
                                                      .schedule = {.serial = common.serial},
                                                      .sleep = settings.sleep});
     check_first_step(simulation.world());
-    if (starts && !(relaxes && common.explain)) check_overlaps(simulation.world());
+    if (starts && !(relaxes && common.explain)) check_overlaps(simulation.divide_now());
     return simulation;
 }
 
@@ -75,28 +85,33 @@ struct MotionSample {
     }
 };
 
-void draw(const World& world, const SeriesOf<MotionSample>& motion, const Common& common) {
+/// What is left of a simulation when its memory is free.
+struct Outcome {
+    SeriesOf<MotionSample> motion{"motion"};
+    View view = {};
+    Report summary = {};
+};
+
+void draw(const Outcome& found, const Common& common) {
+    const SeriesOf<MotionSample>& motion = found.motion;
     Plot energy = motion.plot(&MotionSample::kinetic_energy, "Decay of the motion");
     energy.y_logarithmic = true;
     draw_plots(common.out / "settle_history.png",
                {energy, motion.plot(&MotionSample::floor_force_over_weight,
                                     "Weight carried by the floor")});
-    View view = view_by_coordination(world);
-    view.caption = fmt::format("{} spheres after {:.3g} s. Blue to yellow: 0 to 8 contacts.",
-                               view.balls.size(), world.resource<Clock>().time());
-    draw_picture(common.out / "settle.png", {&view, 1});
+    draw_picture(common.out / "settle.png", {&found.view, 1});
 }
 
 void check_options(const Settle& settings, const Common&) {
     (void)steps_of(settings.duration, settings.bed.step, "duration");
 }
 
-void run(const Settle& settings, const Common& common) {
+Outcome simulate(const Settle& settings, const Common& common) {
+    Outcome outcome;
+    SeriesOf<MotionSample>& motion = outcome.motion;
     Simulation simulation = make_simulation(settings, common);
-    const World& world = simulation.world();
     const std::uint64_t total = steps_of(settings.duration, settings.bed.step, "duration"),
                         sample_every = std::max<std::uint64_t>(1, total / samples);
-    SeriesOf<MotionSample> motion("motion");
     Run run(simulation, common, "settle");
     LastQuantities last(simulation);
     run.keep(motion);
@@ -106,11 +121,15 @@ void run(const Settle& settings, const Common& common) {
         run.require_steps_left(total, "duration");
     }
     FrameWriter frames(run.file("settle", ".vtkhdf"), common.settings, settings.written.extras());
-    if (!run.is_resumed()) frames.add(world);
+    const bool draws_whole = looks(settings);
+    if (draws_whole) simulation.look();
+    if (!run.is_resumed())
+        frames.add(draws_whole ? std::as_const(simulation).world() : simulation.observed());
     double coordination = 0; // in the last sample
     const auto sample = [&](Simulation&, std::uint64_t step) {
         const bool draws = step % (samples_per_frame * sample_every) == 0 || step == total;
-        draws ? simulation.look() : simulation.observe();
+        if (draws && draws_whole) simulation.look();
+        simulation.observe();
         check_stable_step(simulation.observed(), last.stable_step());
         const Quantities& q = last.quantities();
         coordination = q.coordination;
@@ -121,7 +140,7 @@ void run(const Settle& settings, const Common& common) {
                     .coordination = q.coordination,
                     .unbalanced_ratio = q.unbalanced_ratio,
                     .stable_step = last.stable_step()});
-        if (draws) frames.add(world);
+        if (draws) frames.add(simulation.observed());
         return true;
     };
     const auto status = [&](const World&) {
@@ -133,11 +152,15 @@ void run(const Settle& settings, const Common& common) {
                        .sample = sample,
                        .status = status,
                        .looks = false})});
-    draw(world, motion, common);
+    const World& world = simulation.observed();
+    outcome.view = view_by_coordination(world);
+    outcome.view.caption =
+        fmt::format("{} spheres after {:.3g} s. Blue to yellow: 0 to 8 contacts.",
+                    settings.bed.spheres, world.resource<Clock>().time());
     motion.write_csv(common.out / "settle.csv");
     motion.write_track(frames.file());
     frames.file().close();
-    Report summary;
+    Report& summary = outcome.summary;
     const StepCount& count = simulation.count();
     summary.add("particle_steps_per_s",
                 static_cast<double>(count.steps) * settings.bed.spheres / count.wall_time);
@@ -151,7 +174,14 @@ void run(const Settle& settings, const Common& common) {
     run.add_to_summary(summary);
     summary.show({"floor_force_over_weight", "coordination", "contacts", "largest_overlap_m",
                   "unbalanced_ratio", "steps", "wall_time_s", "particle_steps_per_s"});
-    report_results(common, summary);
+    return outcome;
+}
+
+void run(const Settle& settings, const Common& common) {
+    Outcome found = simulate(settings, common);
+    gather(found.view);
+    draw(found, common);
+    report_results(common, found.summary);
 }
 
 std::string explain(const Settle& settings, const Common& common) {

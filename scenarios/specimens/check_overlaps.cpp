@@ -1,15 +1,19 @@
 #include "components/boundary.hpp"
 #include "components/kinds.hpp"
 #include "components/membrane_surface.hpp"
+#include "components/over_ranks.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
 #include "components/triangle_surface.hpp"
 #include "engine/errors.hpp"
+#include "engine/ranks.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/facet_geometry.hpp"
 
 #include <fmt/format.h>
+
+#include <cstring>
 
 namespace bris {
 
@@ -85,12 +89,26 @@ void find_deepest(const World& world, Deepest& deepest) {
     }
 }
 
+/// The deepest overlap of all ranks.
+Deepest deepest_of_ranks(const Deepest& here) {
+    Ranks::Bytes bytes(sizeof here);
+    std::memcpy(bytes.data(), &here, sizeof here);
+    Deepest deepest;
+    for (const Ranks::Bytes& from : Ranks::share(bytes)) {
+        Deepest there;
+        std::memcpy(&there, from.data(), sizeof there);
+        if (there.ratio > deepest.ratio) deepest = there;
+    }
+    return deepest;
+}
+
 } // namespace
 
 void check_overlaps(World& world) {
     rebuild_pairs(world);
     Deepest deepest;
     for_each_kind_of_pair([&]<class Pairs>() { find_deepest<Pairs>(world, deepest); });
+    if (OverRanks(world).is_divided()) deepest = deepest_of_ranks(deepest);
     invalidate_lists(world);
     const double limit = world.resource<Limits>().overlap;
     require(deepest.ratio <= limit,

@@ -14,7 +14,7 @@ void check_scene(const World& world, LawName law);
 /// Checks that no sphere overlaps another sphere or a boundary at the start by more than
 /// Limits::overlap; coincident centres count as the largest overlap. Throws InputError with the
 /// pair of largest relative overlap. The scene must be complete and have its pair lists, which are
-/// rebuilt in the first step.
+/// rebuilt in the first step. Of a divided world each rank gives its part.
 void check_overlaps(World& world);
 
 /// Checks the time step of a scene before its first step, in which nothing needs to touch yet.

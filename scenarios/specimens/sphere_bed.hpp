@@ -18,6 +18,7 @@ struct SphereBed {
     double damping_rate = 5838;    ///< 1/s, of the normal dashpot; the tangential one has half
     double density = 2600;         ///< kg/m3
     double step = 1e-5;            ///< s, time step
+    double length_ratio = 1;       ///< length of the floor along x over its width
     /// Overlap of neighbours on the lattice, relative to the mean diameter, in [0, 1]; 0: a small
     /// gap.
     double start_overlap = 0;
@@ -27,8 +28,8 @@ struct SphereBed {
 };
 
 /// Makes a bed of spheres with small random offsets from their lattice, in a box about the z axis
-/// whose floor is z = 0. The settled bed is nearly twice as high as wide. A sphere that leaves the
-/// box stops the run. The caller adds the pair lists.
+/// whose floor is z = 0. The settled bed is nearly twice as high as wide, in y. A sphere that
+/// leaves the box stops the run. The caller adds the pair lists.
 World make_sphere_bed(const SphereBed& bed);
 
 void SphereBed::declare_options(auto& option) {
@@ -46,6 +47,7 @@ void SphereBed::declare_options(auto& option) {
            "Damping rate of the normal dashpot. The tangential one is half of it.", within(0, 1e9));
     option("density", density, "kg/m3", "Density of the spheres.", above(0, 1e6));
     option("step", step, "s", "Time step.", above(0, 1));
+    option("length_ratio", length_ratio, "", "Length of the floor over its width.", within(1, 1e4));
     option("start_overlap", start_overlap, "",
            "Overlap of neighbours at the start, relative to the mean diameter.", within(0, 1));
 }

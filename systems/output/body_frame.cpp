@@ -4,34 +4,38 @@
 #include "components/boundary.hpp"
 #include "components/kinds.hpp"
 #include "components/membrane_surface.hpp"
+#include "components/over_ranks.hpp"
 #include "components/settings.hpp"
 #include "components/sleeve.hpp"
 #include "components/sphere.hpp"
 #include "engine/io/vtkhdf_file.hpp"
 #include "engine/ordering.hpp"
+#include "engine/ranks.hpp"
 #include "systems/output/contacts.hpp"
 
 #include <algorithm>
 #include <optional>
+#include <span>
+#include <utility>
 
 namespace bris {
 
 namespace {
 
-/// Counts the bodies that each body touches, by id. A partner with several contacts counts once.
+/// Counts the bodies that each body touches, by row. A partner with several contacts counts once.
 template <class Pairs>
 void count_partners(const World& world, std::vector<float>& count) {
     PairNames last{nobody, nobody, 0, 0};
     for_touching_pairs<Pairs>(world, [&](const TouchingPair& pair) {
         if (pair.names.owner != last.owner || pair.names.partner != last.partner) {
-            count[pair.names.owner] += 1;
-            count[pair.names.partner] += 1;
+            count[pair.owner] += 1;
+            count[pair.partner] += 1;
         }
         last = pair.names;
     });
 }
 
-std::vector<float> coordination_by_id(const World& world) {
+std::vector<float> coordination_of(const World& world) {
     std::vector<float> count(world.table<Bodies>().size());
     for_each_kind_of_pair([&]<class Pairs>() { count_partners<Pairs>(world, count); });
     return count;
@@ -40,9 +44,9 @@ std::vector<float> coordination_by_id(const World& world) {
 // Positions are computed from State alone, so they are valid before the first step and after a
 // restore.
 
-void add_facet_corners(const World& world, const std::vector<Row>& rows,
-                       std::vector<Vec3>& corners) {
+void add_facet_corners(const World& world, std::vector<Vec3>& corners) {
     if (!world.has<Facets>()) return;
+    const RowIndex rows(world.column<Bodies, BodyId>());
     const auto id = world.column<Facets, FacetId>();
     const auto host = world.column<Facets, HostId>();
     const auto shape = world.column<Facets, LocalFacet>();
@@ -89,58 +93,100 @@ void add_sleeve_corners(const World& world, std::vector<Vec3>& corners) {
             corners.push_back(position[t.node[k]]);
 }
 
-} // namespace
+/// The rows of the bodies with spheres that count on this rank, by ascending id.
+std::vector<Row> grains_by_id(const World& world) {
+    const OverRanks ranks(world);
+    const auto id = world.column<Bodies, BodyId>();
+    const RowIndex row_of(id);
+    std::vector<char> carries(id.size(), 0);
+    for (const EntityId parent : world.column<Spheres, ParentId>()) carries[row_of[parent]] = 1;
+    std::vector<Row> grains;
+    for (Row b = 0; b < id.size(); ++b)
+        if (carries[b] != 0 && ranks.counts(b)) grains.push_back(b);
+    std::ranges::sort(grains, {}, [&](Row b) { return id[b]; });
+    return grains;
+}
 
-BodyFrame frame_of_bodies(const World& world) {
+/// The frame of the bodies that count on this rank.
+BodyFrame own_frame(const World& world) {
     const Table& bodies = world.table<Bodies>();
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    const auto coordination = coordination_by_id(world);
-    std::vector<char> carries(rows.size(), 0);
-    for (const EntityId parent : world.column<Spheres, ParentId>()) carries[parent] = 1;
+    const auto coordination = coordination_of(world);
     const Clock& clock = world.resource<Clock>();
     const auto velocity = bodies.column<Velocity>();
     const auto acceleration = bodies.column<Acceleration>();
 
     BodyFrame frame;
     frame.time = clock.time();
-    for (EntityId id = 0; id < rows.size(); ++id) {
-        if (carries[id] == 0) continue;
-        const Row row = rows[id];
-        frame.ids.push_back(id);
+    for (const Row row : grains_by_id(world)) {
+        frame.ids.push_back(bodies.column<BodyId>()[row]);
         frame.positions.push_back(bodies.column<Position>()[row]);
         frame.radii.push_back(static_cast<float>(bodies.column<BoundingRadius>()[row]));
         append_vector(frame.velocities, velocity[row] + 0.5 * clock.dt * acceleration[row]);
         append_vector(frame.angular_velocities, bodies.column<AngularVelocity>()[row]);
-        frame.coordination.push_back(coordination[id]);
+        frame.coordination.push_back(coordination[row]);
         if (bodies.has<ShapeOf>()) frame.shapes.push_back(bodies.column<ShapeOf>()[row]);
         if (!bodies.has<Orientation>()) continue;
         const Quat& q = bodies.column<Orientation>()[row];
         for (const double part : {q.w(), q.x(), q.y(), q.z()})
             frame.orientations.push_back(static_cast<float>(part));
     }
-    add_facet_corners(world, rows, frame.corners);
+    add_facet_corners(world, frame.corners);
     add_membrane_corners(world, frame.corners);
     add_sleeve_corners(world, frame.corners);
     return frame;
 }
 
+/// Calls visit(values, numbers of each body) for what a frame has of each body.
+template <class Visit>
+void for_fields(BodyFrame& frame, Visit&& visit) {
+    visit(frame.ids, 1);
+    visit(frame.shapes, 1);
+    visit(frame.positions, 1);
+    visit(frame.radii, 1);
+    visit(frame.velocities, 3);
+    visit(frame.angular_velocities, 3);
+    visit(frame.orientations, 4);
+    visit(frame.coordination, 1);
+}
+
+/// Brings the bodies into the order of their ids.
+void sort_by_id(BodyFrame& frame) {
+    std::vector<Row> order = all_rows(frame.ids.size());
+    std::ranges::sort(order, {}, [&](Row k) { return frame.ids[k]; });
+    for_fields(frame, [&](auto& values, std::size_t each) {
+        const auto before = values;
+        for (std::size_t k = 0; k < values.size(); ++k)
+            values[k] = before[order[k / each] * each + k % each];
+    });
+}
+
+} // namespace
+
+BodyFrame frame_of_bodies(const World& world) {
+    BodyFrame frame = own_frame(world);
+    if (!OverRanks(world).is_divided()) return frame;
+    for_fields(frame, [](auto& values, std::size_t) { Ranks::gather(values); });
+    sort_by_id(frame);
+    return frame;
+}
+
 View view_of_bodies(const World& world, const BodyFrame& frame,
                     const std::function<Colour(std::size_t index)>& colour) {
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    std::vector<std::optional<Colour>> colours(rows.size());
-    for (std::size_t index = 0; index < frame.ids.size(); ++index)
-        colours[static_cast<std::size_t>(frame.ids[index])] = colour(index);
     const Table& bodies = world.table<Bodies>();
+    const RowIndex row_of(bodies.column<BodyId>());
+    std::vector<std::optional<Colour>> colours(bodies.size()); // by row
+    for (std::size_t index = 0; index < frame.ids.size(); ++index)
+        colours[row_of[static_cast<EntityId>(frame.ids[index])]] = colour(index);
     const auto parent = world.column<Spheres, ParentId>();
     const auto ball = world.column<Spheres, LocalBall>();
     View view;
     for (std::size_t s = 0; s < ball.size(); ++s) {
-        if (!colours[parent[s]]) continue;
-        const Row row = rows[parent[s]];
+        const Row row = row_of[parent[s]];
+        if (!colours[row]) continue;
         Vec3 centre = ball[s].centre;
         if (bodies.has<Orientation>()) centre = bodies.column<Orientation>()[row] * centre;
         view.balls.push_back(
-            {bodies.column<Position>()[row] + centre, ball[s].radius, *colours[parent[s]]});
+            {bodies.column<Position>()[row] + centre, ball[s].radius, *colours[row]});
     }
     for (std::size_t q = 0; q < frame.quads(); ++q)
         view.quads.push_back({frame.corners[4 * q], frame.corners[4 * q + 1],
@@ -149,10 +195,14 @@ View view_of_bodies(const World& world, const BodyFrame& frame,
 }
 
 View view_by_coordination(const World& world, double most) {
-    const BodyFrame frame = frame_of_bodies(world);
-    return view_of_bodies(world, frame, [&](std::size_t index) {
+    const BodyFrame frame = own_frame(world);
+    View view = view_of_bodies(world, frame, [&](std::size_t index) {
         return scale_colour(std::min(1.0, static_cast<double>(frame.coordination[index]) / most));
     });
+    if (!OverRanks(world).is_divided() && !Ranks::is_first()) view.balls.clear();
+    return view;
 }
+
+void gather(View& view) { Ranks::gather(view.balls); }
 
 } // namespace bris

@@ -26,7 +26,9 @@ struct BodyFrame {
     std::size_t quads() const { return corners.size() / 4; }
 };
 
-/// Gathers a frame from the world after the last step. Reads only.
+/// Gathers a frame from the world after the last step. Reads only. Of a divided world
+/// (Simulation::observed) all ranks must call this, and the first one gets the bodies of all, the
+/// others none.
 BodyFrame frame_of_bodies(const World& world);
 
 /// The bodies of a frame as a view to be drawn, sphere by sphere, at their present positions in the
@@ -34,8 +36,10 @@ BodyFrame frame_of_bodies(const World& world);
 View view_of_bodies(const World& world, const BodyFrame& frame,
                     const std::function<Colour(std::size_t index)>& colour);
 
-/// The bodies of the world coloured by coordination number, from blue (0) to yellow (`most` and
-/// more).
+/// The bodies of the world that count on this rank, coloured by coordination number, from blue (0)
+/// to yellow (`most` and more).
 View view_by_coordination(const World& world, double most = 8);
+/// Gives the first rank what the views of all ranks show; the others then show no bodies.
+void gather(View& view);
 
 } // namespace bris

@@ -2,6 +2,7 @@
 
 #include "engine/io/gnuplot.hpp"
 #include "engine/random.hpp"
+#include "engine/ranks.hpp"
 
 #include <fmt/format.h>
 
@@ -28,28 +29,29 @@ void paste(const Image& part, unsigned left, unsigned top, Image& whole) {
 
 bool draw_picture(const std::filesystem::path& png, std::span<const View> views,
                   const Camera& camera, unsigned height) {
+    if (!Ranks::writes()) return true; // and others have no balls
     const PictureWindow window = window_around(views, camera);
     const bool captions = std::any_of(views.begin(), views.end(),
                                       [](const View& view) { return !view.caption.empty(); });
     const unsigned top = captions ? caption_height : 0;
+    constexpr double widest = 2400; // pixels of a view
+    height = static_cast<unsigned>(
+        std::clamp(widest * window.height / window.width, 1.0, static_cast<double>(height)));
+    if (views.empty()) return false;
     Image whole;
     std::string labels;
-    std::vector<Image> images;
+    unsigned left = 0;
     for (const View& view : views) {
-        images.push_back(render(view, camera, window, height));
-        const unsigned left = whole.width + (images.size() > 1 ? gap : 0);
-        const Image& image = images.back();
+        const Image image = render(view, camera, window, height); // all are equally wide
+        if (left == 0) {
+            const auto count = static_cast<unsigned>(views.size());
+            whole = {.width = count * (image.width + gap) - gap, .height = height + top, .rgb = {}};
+            whole.rgb.assign(std::size_t{3} * whole.width * whole.height, 255);
+        }
         if (!view.caption.empty())
             labels += fmt::format("set label {} at {},{} center font ',18' front\n",
                                   gnuplot_quoted(view.caption), left + image.width / 2,
                                   caption_height / 2);
-        whole.width = left + image.width;
-    }
-    if (images.empty()) return false;
-    whole.height = height + top;
-    whole.rgb.assign(std::size_t{3} * whole.width * whole.height, 255);
-    unsigned left = 0;
-    for (const Image& image : images) {
         paste(image, left, top, whole);
         left += image.width + gap;
     }

@@ -57,8 +57,9 @@ PictureWindow window_around(std::span<const View> views, const Camera& camera);
 /// about 1 s.
 Image render(const View& view, const Camera& camera, const PictureWindow& window, unsigned height);
 
-/// Writes all views side by side at one scale, with captions above, as a PNG through gnuplot. If
-/// this is impossible, prints one line on stderr and returns false.
+/// Writes all views side by side at one scale, with captions above, as a PNG through gnuplot. Views
+/// that would be wider than 2400 pixels are less high. If this is impossible, prints one line on
+/// stderr and returns false. Only the first rank draws.
 bool draw_picture(const std::filesystem::path& png, std::span<const View> views,
                   const Camera& camera = {}, unsigned height = 1200);
 

@@ -24,13 +24,15 @@ struct Axes {
     Vec3 right, up, away;
 };
 
-/// Nearest surface at every sample: its depth and its ball.
+/// Nearest surface at every sample of some rows of a picture: its depth and its ball.
 struct Depths {
     unsigned width, height;
-    double scale;     // samples per m
-    double left, top; // m
-    std::vector<float> depth;
-    std::vector<std::uint32_t> ball;
+    double scale;            // samples per m
+    double left, top;        // m
+    double slack;            // samples, by which a line may be behind a ball that does not hide it
+    float nearest, farthest; // of all balls
+    std::vector<float> depth = {};
+    std::vector<std::uint32_t> ball = {};
 };
 
 /// A ball in units of samples.
@@ -93,35 +95,28 @@ float edge_light(const Depths& depths, const std::vector<DrawnBall>& balls, std:
 
 /// Brightness of the surface at a sample: ambient and diffuse light, darker at the rim and with
 /// distance.
-float brightness(const Disc& disc, const Depths& depths, std::size_t at, unsigned x, unsigned y,
-                 float nearest, float farthest) {
+float brightness(const Disc& disc, const Depths& depths, std::size_t at, unsigned x, unsigned y) {
     const float nx = (static_cast<float>(x) + 0.5f - disc.x) / disc.radius;
     const float ny = (disc.y - static_cast<float>(y) - 0.5f) / disc.radius;
     const float nz = (disc.depth - depths.depth[at]) / disc.radius; // towards the viewer
     const float diffuse = std::max(-0.40f * nx + 0.62f * ny + 0.67f * nz, 0.0f);
     const float rim = 0.70f + 0.30f * std::min(2.2f * nz, 1.0f);
-    const float span = std::max(farthest - nearest, 1.0f);
-    const float haze = 1.0f - 0.30f * (depths.depth[at] - nearest) / span;
+    const float span = std::max(depths.farthest - depths.nearest, 1.0f);
+    const float haze = 1.0f - 0.30f * (depths.depth[at] - depths.nearest) / span;
     return (0.34f + 0.72f * diffuse) * rim * haze;
 }
 
 /// Colour of every sample, three numbers each; white where there is no ball.
 std::vector<float> shade(const Depths& depths, const std::vector<DrawnBall>& balls,
                          const std::vector<Disc>& discs) {
-    float nearest = infinitely_far, farthest = -infinitely_far;
-    for (std::size_t i = 0; i < depths.ball.size(); ++i) {
-        if (depths.ball[i] == nothing) continue;
-        nearest = std::min(nearest, depths.depth[i]);
-        farthest = std::max(farthest, depths.depth[i]);
-    }
     std::vector<float> light(3 * depths.ball.size(), 255.0f);
     for (unsigned y = 0; y < depths.height; ++y)
         for (unsigned x = 0; x < depths.width; ++x) {
             const std::size_t at = std::size_t{y} * depths.width + x;
             const std::uint32_t ball = depths.ball[at];
             if (ball == nothing) continue;
-            const float b = brightness(discs[ball], depths, at, x, y, nearest, farthest) *
-                            edge_light(depths, balls, at, x, y);
+            const float b =
+                brightness(discs[ball], depths, at, x, y) * edge_light(depths, balls, at, x, y);
             const Colour& colour = balls[ball].colour;
             light[3 * at] = std::min(b * static_cast<float>(colour.red), 255.0f);
             light[3 * at + 1] = std::min(b * static_cast<float>(colour.green), 255.0f);
@@ -134,9 +129,7 @@ std::vector<float> shade(const Depths& depths, const std::vector<DrawnBall>& bal
 void stain(unsigned x, unsigned y, double depth, const Depths& depths, std::vector<float>& light) {
     if (x >= depths.width || y >= depths.height) return;
     const std::size_t at = std::size_t{y} * depths.width + x;
-    // a ball that touches the membrane from inside does not hide its line
-    const double slack = 0.004 * depths.height;
-    if (depth > static_cast<double>(depths.depth[at]) + slack) return;
+    if (depth > static_cast<double>(depths.depth[at]) + depths.slack) return;
     constexpr float line[3] = {20, 60, 120};
     for (std::size_t k = 0; k < 3; ++k) light[3 * at + k] += 0.5f * (line[k] - light[3 * at + k]);
 }
@@ -159,10 +152,10 @@ void draw_line(const Vec3& from, const Vec3& to, const Axes& axes, const Depths&
     }
 }
 
-Image averaged(const std::vector<float>& light, unsigned width, unsigned height) {
-    Image image{.width = width, .height = height, .rgb = {}};
-    image.rgb.resize(std::size_t{3} * width * height);
-    for (std::size_t y = 0; y < height; ++y)
+/// Averages the samples of rows of an image; those of the first row begin at `light`.
+void average(const float* light, std::size_t first, std::size_t rows, Image& image) {
+    const std::size_t width = image.width;
+    for (std::size_t y = 0; y < rows; ++y)
         for (std::size_t x = 0; x < width; ++x)
             for (std::size_t k = 0; k < 3; ++k) {
                 float sum = 0;
@@ -170,10 +163,25 @@ Image averaged(const std::vector<float>& light, unsigned width, unsigned height)
                     for (std::size_t i = 0; i < samples; ++i)
                         sum +=
                             light[3 * ((samples * y + j) * samples * width + samples * x + i) + k];
-                image.rgb[3 * (y * width + x) + k] =
+                image.rgb[3 * ((first + y) * width + x) + k] =
                     static_cast<std::uint8_t>(std::lround(sum / (samples * samples)));
             }
-    return image;
+}
+
+/// Draws what is seen in the rows of samples of `target`.
+std::vector<float> draw(const View& view, const Axes& axes, Depths& target) {
+    const std::size_t size = std::size_t{target.width} * target.height;
+    target.depth.assign(size, infinitely_far);
+    target.ball.assign(size, nothing);
+    std::vector<Disc> discs;
+    discs.reserve(view.balls.size());
+    for (const DrawnBall& ball : view.balls) discs.push_back(disc_of(ball, axes, target));
+    for (std::uint32_t i = 0; i < discs.size(); ++i) cover(discs[i], i, target);
+    std::vector<float> light = shade(target, view.balls, discs);
+    for (const auto& quad : view.quads)
+        for (std::size_t i = 0; i < 4; ++i)
+            draw_line(quad[i], quad[(i + 1) % 4], axes, target, light);
+    return light;
 }
 
 } // namespace
@@ -205,25 +213,33 @@ Image render(const View& view, const Camera& camera, const PictureWindow& window
     const Axes axes(camera);
     const auto width = static_cast<unsigned>(
         std::clamp(std::lround(height * window.width / window.height), 1l, 20000l));
-    Depths depths{.width = samples * width,
-                  .height = samples * height,
-                  .scale = samples * height / window.height,
-                  .left = window.middle_right - window.width / 2,
-                  .top = window.middle_up + window.height / 2,
-                  .depth = {},
-                  .ball = {}};
-    const std::size_t size = std::size_t{depths.width} * depths.height;
-    depths.depth.assign(size, infinitely_far);
-    depths.ball.assign(size, nothing);
-    std::vector<Disc> discs;
-    discs.reserve(view.balls.size());
-    for (const DrawnBall& ball : view.balls) discs.push_back(disc_of(ball, axes, depths));
-    for (std::uint32_t i = 0; i < discs.size(); ++i) cover(discs[i], i, depths);
-    std::vector<float> light = shade(depths, view.balls, discs);
-    for (const auto& quad : view.quads)
-        for (std::size_t i = 0; i < 4; ++i)
-            draw_line(quad[i], quad[(i + 1) % 4], axes, depths, light);
-    return averaged(light, width, height);
+    Image image{.width = width, .height = height, .rgb = {}};
+    image.rgb.resize(std::size_t{3} * width * height);
+    const double scale = samples * height / window.height;
+    float nearest = infinitely_far, farthest = -infinitely_far;
+    for (const DrawnBall& ball : view.balls) {
+        const double depth = ball.centre.dot(axes.away) * scale;
+        nearest = std::min(nearest, static_cast<float>(depth - ball.radius * scale));
+        farthest = std::max(farthest, static_cast<float>(depth));
+    }
+    // in strips, because the samples of a pixel take 80 bytes
+    constexpr unsigned rows_of_strip = 16, margin = 1;
+    for (unsigned first = 0; first < height; first += rows_of_strip) {
+        const unsigned rows = std::min(rows_of_strip, height - first);
+        const double above = static_cast<double>(first) - margin; // rows
+        Depths strip{.width = samples * width,
+                     .height = samples * (rows + 2 * margin),
+                     .scale = scale,
+                     .left = window.middle_right - window.width / 2,
+                     .top = window.middle_up + window.height / 2 - above * samples / scale,
+                     // a ball that touches the membrane from inside does not hide its line
+                     .slack = 0.004 * samples * height,
+                     .nearest = nearest,
+                     .farthest = farthest};
+        const std::vector<float> light = draw(view, axes, strip);
+        average(light.data() + std::size_t{3} * strip.width * samples * margin, first, rows, image);
+    }
+    return image;
 }
 
 } // namespace bris

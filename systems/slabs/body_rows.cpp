@@ -96,25 +96,6 @@ public:
                 std::memcpy(column->bytes() + first * type.value_size,
                             take(count * type.value_size), count * type.value_size);
     }
-    void overwrite(Table& table, const RowIndex& row_of) {
-        const std::size_t count = number();
-        std::vector<const std::byte*> from; // of each State column
-        std::vector<EntityId> ids(count);
-        for (const auto& column : table.columns()) {
-            if (!column->type().is_carried) continue;
-            from.push_back(take(count * column->type().value_size));
-            if (column->type().is_key)
-                std::memcpy(ids.data(), from.back(), count * sizeof(EntityId));
-        }
-        auto next = from.begin();
-        for (const auto& column : table.columns()) {
-            if (!column->type().is_carried) continue;
-            const std::size_t width = column->type().value_size;
-            for (std::size_t i = 0; i < count; ++i)
-                std::memcpy(column->bytes() + row_of[ids[i]] * width, *next + i * width, width);
-            ++next;
-        }
-    }
 
 private:
     const std::byte* take(std::size_t size) {
@@ -160,10 +141,10 @@ void for_pair_tables(const World& world, Visit&& visit) {
 
 } // namespace
 
-Ranks::Bytes pack_bodies(const World& world, std::span<const Row> bodies, bool with_spheres) {
+Ranks::Bytes pack_bodies(const World& world, std::span<const Row> bodies) {
     Ranks::Bytes bytes;
     pack(world.table<Bodies>(), bodies, bytes);
-    if (with_spheres) pack(world.table<Spheres>(), spheres_of(world, bodies), bytes);
+    pack(world.table<Spheres>(), spheres_of(world, bodies), bytes);
     for_pair_tables(world, [&]<class Pairs>() {
         pack(world.table<Pairs>(), pairs_of<Pairs>(world, bodies), bytes);
     });
@@ -175,14 +156,6 @@ void append_bodies(World& world, const Ranks::Bytes& packed) {
     Unpacker from(packed);
     from.append_to(world.table<Bodies>());
     from.append_to(world.table<Spheres>());
-    for_pair_tables(world, [&]<class Pairs>() { from.append_to(world.table<Pairs>()); });
-}
-
-void overwrite_bodies(World& world, const Ranks::Bytes& packed) {
-    if (packed.empty()) return;
-    Unpacker from(packed);
-    const RowIndex row_of(world.column<Bodies, BodyId>());
-    from.overwrite(world.table<Bodies>(), row_of);
     for_pair_tables(world, [&]<class Pairs>() { from.append_to(world.table<Pairs>()); });
 }
 
@@ -208,14 +181,20 @@ std::optional<std::vector<Row>> rows_of_bodies(const World& world, std::span<con
     return rows;
 }
 
+bool is_of_bodies(const Table& table) {
+    bool is = table.name() == Bodies::name || table.name() == Spheres::name ||
+              table.name() == Listed::name || table.name() == ForceSums::name;
+    for_each_kind_of_pair([&]<class Pairs>() {
+        is = is || table.name() == Pairs::name || table.name() == Pairs::Near::name;
+    });
+    return is;
+}
+
 World copy_of_bodies(const World& whole, std::span<const Row> bodies) {
     const auto rows_of = [&](const Table& table) -> std::optional<std::vector<Row>> {
         if (table.name() == Bodies::name) return with_boundaries(whole, bodies);
         auto rows = rows_of_bodies(whole, bodies, table);
-        for_pair_tables(whole, [&]<class Pairs>() {
-            if (table.name() == Pairs::Near::name) rows.emplace();
-        });
-        if (table.name() == Listed::name || table.name() == ForceSums::name) rows.emplace();
+        if (!rows && is_of_bodies(table)) rows.emplace();
         return rows;
     };
     World part(whole, rows_of);

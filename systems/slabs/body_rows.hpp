@@ -15,14 +15,10 @@ namespace bris::detail {
 // no code here. `SpheresOf` must be up to date.
 
 /// What belongs to bodies, as bytes for a rank with the same columns.
-Ranks::Bytes pack_bodies(const World& world, std::span<const Row> bodies, bool with_spheres = true);
+Ranks::Bytes pack_bodies(const World& world, std::span<const Row> bodies);
 
 /// Appends packed bodies to the tables.
 void append_bodies(World& world, const Ranks::Bytes& packed);
-
-/// Overwrites the State of bodies that the world has with that of packed ones without spheres, and
-/// appends their pairs.
-void overwrite_bodies(World& world, const Ranks::Bytes& packed);
 
 /// Removes all bodies with spheres, and what belongs to them, but those of `bodies`. The bodies
 /// without spheres remain and become the first rows.
@@ -30,6 +26,8 @@ void keep_bodies(World& world, std::span<const Row> bodies);
 /// The rows of a table that belong to bodies with spheres; nullopt: it has none of such bodies.
 std::optional<std::vector<Row>> rows_of_bodies(const World& world, std::span<const Row> bodies,
                                                const Table& table);
+/// Whether the rows of a table are bodies, or belong to them, or are lists of them.
+bool is_of_bodies(const Table& table);
 /// A world that has these bodies with spheres only, and of its lists nothing.
 World copy_of_bodies(const World& whole, std::span<const Row> bodies);
 

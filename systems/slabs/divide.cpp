@@ -1,3 +1,4 @@
+#include "components/pair.hpp"
 #include "engine/health.hpp"
 #include "engine/ordering.hpp"
 #include "engine/ranks.hpp"
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <malloc.h>
 #include <utility>
 
 namespace bris {
@@ -33,15 +35,21 @@ std::vector<Row> own_grains(const World& part) {
     return own;
 }
 
+/// Removes the bodies of the whole world, which the parts have, with the memory for them and their
+/// lists.
+void release_bodies(World& whole) {
+    for (const auto& named : whole.tables())
+        if (detail::is_of_bodies(*named.table)) named.table->release();
+    for_each_kind_of_pair([&]<class Pairs>() {
+        if (whole.has<Pairs>()) whole.resource<NearIndex<Pairs>>() = {};
+    });
+    malloc_trim(0); // else the allocator keeps most of it for this process
+}
+
 /// Tables of boundaries and elements are the same on all ranks, and none of their rows move.
 void copy_boundaries(const World& part, World& whole) {
-    const auto belongs_to_bodies = [&](const Table& table) {
-        bool is = table.name() == Bodies::name || table.name() == Spheres::name;
-        for_each_kind_of_pair([&]<class Pairs>() { is = is || table.name() == Pairs::name; });
-        return is;
-    };
     for (const auto& named : whole.tables()) {
-        if (belongs_to_bodies(*named.table)) continue;
+        if (detail::is_of_bodies(*named.table)) continue;
         const Table& from = *part.find_table(named.kind);
         for (const auto& column : named.table->columns())
             if (const auto& type = column->type(); type.is_state)
@@ -80,7 +88,7 @@ std::vector<unsigned> ranks_of_bodies(const World& whole) {
     return ranks;
 }
 
-World take_slab(const World& whole) {
+World take_slab(World& whole) {
     const auto [low, high] = box_of_grains(whole);
     Slab slab = slab_of_this_rank(whole, high - low);
     slab.outline = Outline(slab.axis, low, high);
@@ -94,6 +102,7 @@ World take_slab(const World& whole) {
                                  slab.outline.may_touch(position[b], reach[b])))
             here.push_back(b);
     World part = detail::copy_of_bodies(whole, here);
+    release_bodies(whole);
     part.table<Bodies>().add<Ghost>();
     part.add_resource(std::move(slab));
     detail::mark_ghosts(part);
@@ -117,12 +126,9 @@ std::vector<Row> rows_to_save(const World& part, const Table& table) {
 
 void give_back(const World& part, World& whole) {
     const auto own = own_grains(part);
-    for_each_kind_of_pair([&]<class Pairs>() {
-        if (whole.has<Pairs>()) whole.table<Pairs>().resize(0);
-    });
-    for (const auto& packed : Ranks::share(detail::pack_bodies(part, own, false)))
-        detail::overwrite_bodies(whole, packed);
-    detail::overwrite_bodies(whole, detail::pack_bodies(part, detail::boundaries_of(part), false));
+    detail::append_bodies(whole, detail::pack_bodies(part, detail::boundaries_of(part)));
+    for (const auto& packed : Ranks::share(detail::pack_bodies(part, own)))
+        detail::append_bodies(whole, packed);
     copy_boundaries(part, whole);
     Archive resources;
     for (const auto& held : part.resources())

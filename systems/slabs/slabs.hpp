@@ -31,12 +31,13 @@ unsigned most_slabs(const World& world);
 
 /// This rank's part of a world that all ranks have: the bodies of its slab, ghosts, and all
 /// boundaries. The slabs have equal work. `SpheresOf` and `OuterSkin` must be up to date (survey).
-World take_slab(const World& whole);
+/// The whole world has no bodies any more, until give_back.
+World take_slab(World& whole);
 
 /// The rank in whose slab each body of a whole world lies if it is divided now, by row.
 std::vector<unsigned> ranks_of_bodies(const World& whole);
 
-/// Writes the State of all parts back into the whole world of each rank.
+/// Makes the whole world of each rank again, of the State of all parts.
 void give_back(const World& part, World& whole);
 
 /// The rows of a table that this rank saves of its part: what belongs to its own bodies, and on the

@@ -1,4 +1,5 @@
 #include "components/membrane.hpp"
+#include "components/over_ranks.hpp"
 #include "components/pair.hpp"
 #include "components/sensor.hpp"
 #include "components/settings.hpp"
@@ -185,9 +186,13 @@ void wake_all(World& world) {
 
 std::size_t sleepers(const World& world) {
     if (!world.has_resource<Sleep>()) return 0;
-    return static_cast<std::size_t>(
-        std::ranges::count_if(world.column<Bodies, Resting>(),
-                              [&](std::uint32_t r) { return r >= world.resource<Sleep>().steps; }));
+    const OverRanks ranks(world);
+    const auto resting = world.column<Bodies, Resting>();
+    std::size_t count = 0;
+    for (Row b = 0; b < resting.size(); ++b)
+        if (ranks.counts(b) && resting[b] >= world.resource<Sleep>().steps) ++count;
+    ranks.add({&count});
+    return count;
 }
 
 bool sleep_is_due(const World& world) {

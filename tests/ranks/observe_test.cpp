@@ -1,13 +1,20 @@
+#include "engine/errors.hpp"
+#include "engine/ranks.hpp"
+#include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/small_scene.hpp"
+#include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/balance.hpp"
+#include "systems/output/body_frame.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/output/stress.hpp"
 #include "tests/extreme_scenes.hpp"
 
 #include <doctest/doctest.h>
 
+#include <string>
+#include <utility>
 #include <vector>
 
 using namespace bris;
@@ -41,6 +48,17 @@ std::vector<double> numbers_of(const World& world) {
             static_cast<double>(b.idle_bodies)};
 }
 
+/// Whether a frame of parts is that of the whole on the first rank, and empty on the others.
+bool is_frame_of(const BodyFrame& frame, const BodyFrame& whole) {
+    if (!Ranks::is_first()) return frame.ids.empty() && frame.positions.empty();
+    return frame.time == whole.time && frame.ids == whole.ids && frame.shapes == whole.shapes &&
+           frame.positions == whole.positions && frame.radii == whole.radii &&
+           frame.velocities == whole.velocities &&
+           frame.angular_velocities == whole.angular_velocities &&
+           frame.orientations == whole.orientations && frame.coordination == whole.coordination &&
+           frame.corners == whole.corners;
+}
+
 /// A heap that rolls along x, from one slab into the next.
 Simulation heap(Grains grains, Walls walls) {
     World world = bed({.grains = grains, .walls = walls, .bodies = 90, .seed = 12});
@@ -72,6 +90,14 @@ TEST_SUITE("ranks") {
                     const auto expected = numbers_of(whole.world());
                     CAPTURE(sample);
                     CHECK(numbers_of(divided.observed()) == expected);
+                    const World& seen = divided.observed();
+                    if (divided.part() != nullptr) {
+                        CHECK(is_frame_of(frame_of_bodies(seen), frame_of_bodies(whole.world())));
+                        View view = view_by_coordination(seen);
+                        gather(view);
+                        const std::size_t all = view_by_coordination(whole.world()).balls.size();
+                        CHECK(view.balls.size() == all); // that of the whole is the first rank's
+                    }
                     contacts = expected[15];
                 }
                 CHECK(contacts > 20);
@@ -84,6 +110,38 @@ TEST_SUITE("ranks") {
                 CHECK(divided.snapshot().arrays().size() == whole.snapshot().arrays().size());
                 CHECK(fingerprint(divided.snapshot()) == fingerprint(whole.snapshot()));
             }
+    }
+
+    TEST_CASE("a world that is divided before its first step has the same bits, and all ranks find "
+              "the deepest overlap, which one of them has") {
+        Simulation whole = heap(Grains::clumps, Walls::planes),
+                   divided = heap(Grains::clumps, Walls::planes);
+        whole.divide({});
+        World* const part = &divided.divide_now();
+        CHECK(part == divided.part());
+        CHECK(std::as_const(divided).world().table<Bodies>().size() == 0);
+        CHECK(is_frame_of(frame_of_bodies(divided.observed()), frame_of_bodies(whole.world())));
+        divided.advance(2000);
+        whole.advance(2000);
+        const auto message = [](World& world) {
+            const double limit = std::exchange(world.resource<Limits>().overlap, 1e-9);
+            std::string found;
+            try {
+                check_overlaps(world);
+            } catch (const InputError& error) {
+                found = error.what();
+            }
+            world.resource<Limits>().overlap = limit;
+            return found;
+        };
+        const std::string found = message(divided.divide_now());
+        CHECK(found != "");
+        invalidate_lists(whole.world()); // which hold where the bodies were
+        CHECK(found == message(whole.world()));
+        CHECK_FALSE(divided.is_observed()); // the part has no records of contacts
+        divided.advance(400);
+        whole.advance(400);
+        CHECK(fingerprint(divided.snapshot()) == fingerprint(whole.snapshot()));
     }
 
     TEST_CASE("a scene whose boundaries are free is observed as a whole") {

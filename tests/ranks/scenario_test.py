@@ -6,6 +6,7 @@ import filecmp
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -106,6 +107,23 @@ assert refused.returncode == 2 and "expected at most" in refused.stderr, refused
 run("resumed", 2, duration="0.1")
 run("resumed", 3, "--resume", str(folder / "resumed"))
 assert fingerprint("resumed") == fingerprint("on_1"), "other bits after resuming"
+
+# a scene that is too large for the memory of one rank, and not for that of two
+many = [settle, "--spheres", "300000", "--length-ratio", "4", "--threads", "1", "--quiet"]
+
+
+def large(out, *more):
+    return subprocess.run([*many, "--out", str(folder / out), *more], capture_output=True, text=True, timeout=300)
+
+
+needed = large("none", "--duration", "0.0005", "--memory", "0.2").stderr
+most = 0.7 * float(re.search(r"needs about (\S+) GiB", needed).group(1))
+refused = large("none", "--duration", "0.0005", "--memory", f"{most:.3f}")
+assert refused.returncode == 2 and "expected a number that fits" in refused.stderr, refused.stderr
+for duration, more in (("0.0005", []), ("0.001", ["--resume", str(folder / "large")])):
+    on_two = large("large", "--duration", duration, "--memory", f"{most:.3f}", "--ranks", "2", *more)
+    assert on_two.returncode == 0, on_two.stderr
+assert large("enough", "--duration", "0.001").returncode == 0 and fingerprint("large") == fingerprint("enough")
 
 # one rank alone finds that it cannot write
 out = folder / "gone"
