@@ -119,6 +119,7 @@ Outcome simulate(const Settle& settings, const Common& common) {
     if (!common.resume.empty()) {
         run.resume(common.resume, {"duration_s"});
         run.require_steps_left(total, "duration");
+        simulation.divide_now();
     }
     FrameWriter frames(run.file("settle", ".vtkhdf"), common.settings, settings.written.extras());
     const bool draws_whole = looks(settings);
