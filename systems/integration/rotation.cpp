@@ -120,9 +120,8 @@ void update_balls(const PositionedFrame& frame, const Ball* ball, Row count,
     Row k = 0;
 #ifdef __AVX512F__
     // two spheres at a time, with the same operations
-    const auto twice = [](Quad a) { return detail::join(a, a); };
-    const Lane centre = twice(frame.centre), along_x = twice(frame.along_x),
-               along_y = twice(frame.along_y), along_z = twice(frame.along_z);
+    const Lane centre = in_each_row(frame.centre), along_x = in_each_row(frame.along_x),
+               along_y = in_each_row(frame.along_y), along_z = in_each_row(frame.along_z);
     static_assert(sizeof(Ball) == 4 * sizeof(double));
     for (; k + 2 <= count; k += 2) {
         const Lane o = load_lane(ball[k].centre.data());
@@ -131,7 +130,7 @@ void update_balls(const PositionedFrame& frame, const Ball* ball, Row count,
                    z = __builtin_shufflevector(o, o, 2, 2, 2, 2, 6, 6, 6, 6),
                    r = __builtin_shufflevector(o, o, 3, 3, 3, 3, 7, 7, 7, 7);
         const Lane arm = x * along_x + y * along_y + z * along_z;
-        store_lane(&sphere_row[k].x, centre + (arm + r * twice(radius)));
+        store_lane(&sphere_row[k].x, centre + (arm + r * in_each_row(radius)));
     }
 #endif
     for (; k < count; ++k) {
