@@ -106,6 +106,26 @@ void check_options(const Settle& settings, const Common&) {
     (void)steps_of(settings.duration, settings.bed.step, "duration");
 }
 
+Report summary_of(const Settle& settings, const Simulation& simulation, LastQuantities& last,
+                  const Run& run) {
+    const World& world = simulation.observed();
+    const StepCount& count = simulation.count();
+    Report summary;
+    summary.add("particle_steps_per_s",
+                static_cast<double>(count.steps) * settings.bed.spheres / count.wall_time);
+    const double carried = last.quantities().boundary_force_over_weight();
+    summary.add("floor_force_over_weight", carried);
+    summary.add("floor_force_error", std::abs(carried - 1));
+    add_quantities(summary, last.quantities());
+    if (settings.sleep > 0) summary.add("sleepers", sleepers(world));
+    summary.add("rebuilds", world.resource<ListState>().rebuilds);
+    summary.add("prunes", world.resource<ListState>().prunes);
+    run.add_to_summary(summary);
+    summary.show({"floor_force_over_weight", "coordination", "contacts", "largest_overlap_m",
+                  "unbalanced_ratio", "steps", "wall_time_s", "particle_steps_per_s"});
+    return summary;
+}
+
 Outcome simulate(const Settle& settings, const Common& common) {
     Outcome outcome;
     SeriesOf<MotionSample>& motion = outcome.motion;
@@ -161,20 +181,7 @@ Outcome simulate(const Settle& settings, const Common& common) {
     motion.write_csv(common.out / "settle.csv");
     motion.write_track(frames.file());
     frames.file().close();
-    Report& summary = outcome.summary;
-    const StepCount& count = simulation.count();
-    summary.add("particle_steps_per_s",
-                static_cast<double>(count.steps) * settings.bed.spheres / count.wall_time);
-    const double carried = last.quantities().boundary_force_over_weight();
-    summary.add("floor_force_over_weight", carried);
-    summary.add("floor_force_error", std::abs(carried - 1));
-    add_quantities(summary, last.quantities());
-    if (settings.sleep > 0) summary.add("sleepers", sleepers(world));
-    summary.add("rebuilds", world.resource<ListState>().rebuilds);
-    summary.add("prunes", world.resource<ListState>().prunes);
-    run.add_to_summary(summary);
-    summary.show({"floor_force_over_weight", "coordination", "contacts", "largest_overlap_m",
-                  "unbalanced_ratio", "steps", "wall_time_s", "particle_steps_per_s"});
+    outcome.summary = summary_of(settings, simulation, last, run);
     return outcome;
 }
 
