@@ -1,5 +1,7 @@
 #pragma once
 
+#include "components/body.hpp"
+#include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/slab.hpp"
 #include "engine/exact_sum.hpp"
@@ -8,9 +10,29 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 #include <vector>
 
 namespace bris {
+
+/// Makes each of these the sum of what all ranks have in its place.
+inline void add_over_ranks(std::span<WideInteger> values) {
+    // three numbers for each of 128 bits, whose sums over ranks cannot overflow
+    constexpr WideInteger base = WideInteger{1} << 32;
+    std::vector<std::int64_t> limbs;
+    for (WideInteger value : values)
+        for (int k = 0; k < 3; ++k) {
+            const auto low = static_cast<std::int64_t>(value & (base - 1));
+            limbs.push_back(k < 2 ? low : static_cast<std::int64_t>(value));
+            value = (value - low) / base;
+        }
+    Ranks::sum(limbs);
+    const std::int64_t* next = limbs.data();
+    for (WideInteger& value : values) {
+        value = next[0] + base * (next[1] + base * WideInteger{next[2]});
+        next += 3;
+    }
+}
 
 /// What one rank counts of a world, and the sum of what all ranks have counted. Each body and each
 /// contact counts on one rank: in a world that is not divided on this one, and nothing is added
@@ -20,11 +42,16 @@ public:
     template <class World>
     explicit OverRanks(const World& world)
         : ghosts_(world.template table<Bodies>()),
-          is_divided_(world.template has_resource<Slab>()) {}
+          is_divided_(world.template has_resource<Slab>()) {
+        if (is_divided_ && !Ranks::is_first())
+            spheres_ = world.template column<Bodies, SpheresOf>().data();
+    }
 
-    /// Whether a body counts here with the contacts that it owns. Boundaries, which count on all
-    /// ranks, are not free in a world that is observed in parts.
-    bool counts(Row b) const { return !ghosts_[b]; }
+    /// Whether a body counts here with the contacts that it owns. Bodies without spheres, which all
+    /// ranks have, count on the first one.
+    bool counts(Row b) const {
+        return !ghosts_[b] && (spheres_ == nullptr || spheres_[b].count > 0);
+    }
 
     void add(std::initializer_list<ExactSum*> sums) const {
         if (is_divided_) ExactSum::add_over_ranks({sums.begin(), sums.size()});
@@ -44,6 +71,7 @@ public:
 private:
     Ghosts ghosts_;
     bool is_divided_;
+    const SphereRun* spheres_ = nullptr; ///< by row; null: all bodies count
 };
 
 } // namespace bris

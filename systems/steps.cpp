@@ -211,12 +211,14 @@ bool whole_step_is_due(const World& world) {
 }
 
 bool can_be_observed(const World& part) {
-    const auto motion = part.column<Bodies, MotionOf>();
-    bool can = std::ranges::none_of(part.resource<Census>().boundaries, [&](Row b) {
-        return motion[b] == static_cast<std::uint32_t>(Motion::free);
-    });
-    for_each_element_of(part, [&]<class E>() { can = false; });
-    return can;
+    const Table& bodies = part.table<Bodies>();
+    if (!bodies.has<PatchesOf>()) return true;
+    const auto patches = bodies.column<PatchesOf>();
+    const auto spheres = bodies.column<SpheresOf>();
+    bool held = false;
+    for (Row b = 0; b < patches.size(); ++b)
+        held = held || (patches[b] > 0 && spheres[b].count > 0);
+    return !Ranks::any(held);
 }
 
 StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {

@@ -15,8 +15,8 @@ StepList steps(LawName law, bool energy_budget = false,
 /// Whether the next step of a world that is divided among ranks needs all bodies: it brings fields
 /// up to date, or assimilates the recordings of sensors (Division).
 bool whole_step_is_due(const World& world);
-/// Whether each contact, and the energy of each element, belong to a body with spheres of one rank:
-/// no boundary is free, and there are no force elements (Division).
+/// Whether no body with spheres is held by a spring to the ground, whose energy one rank alone
+/// would know (Division). All ranks ask.
 bool can_be_observed(const World& part);
 
 } // namespace bris

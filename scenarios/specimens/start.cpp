@@ -15,7 +15,8 @@ namespace bris {
 
 Simulation start(World world, const StartSettings& s) {
     check_scene(world, s.law);
-    if (const unsigned ranks = Ranks::size(), most = most_slabs(world); ranks > most)
+    if (const unsigned ranks = s.divides ? Ranks::size() : 1, most = most_slabs(world);
+        ranks > most)
         throw InputError(
             fmt::format("--ranks: expected at most {} in this scene, as each rank has a "
                         "slab at least two of the largest bodies wide, found {}",
@@ -28,7 +29,9 @@ void divide_among_ranks(Simulation& simulation) {
     simulation.divide({.take =
                            [](World& whole) {
                                survey(whole);
-                               return take_slab(whole);
+                               World part = take_slab(whole);
+                               forget_lists(part);
+                               return part;
                            },
                        .give_back = give_back,
                        .whole_step_is_due = whole_step_is_due,
@@ -48,7 +51,7 @@ Simulation start_unchecked(World world, const StartSettings& s) {
         add_sleep(simulation.world(), {.acceleration = s.sleep * weight});
         simulation.prepare();
     }
-    divide_among_ranks(simulation);
+    if (s.divides) divide_among_ranks(simulation);
     return simulation;
 }
 

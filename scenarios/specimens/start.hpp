@@ -15,6 +15,7 @@ struct StartSettings {
     bool energy_budget = false; ///< accumulates the energy budget
     /// Unbalanced force, relative to the weight, below which bodies sleep (add_sleep); 0: none do.
     double sleep = 0;
+    bool divides = true; ///< among the ranks of the run; else each of them computes all
 };
 
 /// Makes the simulation of a complete scene: checks the scene, and adds the neighbour lists and the

@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/body_contacts.hpp"
+#include "components/census.hpp"
 #include "components/elasticity.hpp"
 #include "components/kinds.hpp"
 #include "components/material.hpp"
@@ -12,9 +13,12 @@
 #include "systems/loads/table.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
+#include <vector>
 
 namespace bris {
 
@@ -78,6 +82,15 @@ public:
                 visit(b, touch(b, k));
         });
     }
+    /// Calls visit(row of the partner, row of the pair, touch of the partner) for all contacts.
+    template <class Visit>
+    void visit_partners(Visit&& visit) const {
+        if (index_ == nullptr) return;
+        index_->for_touching([&](Row k) {
+            const Row pair = entry_[k].pair, b = rows_[pair].partner_body;
+            visit(b, pair, touch(b, k));
+        });
+    }
     /// Lists the contacts of marked bodies.
     void list(const World& world, const std::vector<char>& marked) {
         if (index_ != nullptr) contacts_.emplace(world, &marked);
@@ -128,6 +141,18 @@ private:
     const Materials* materials_ = nullptr;
 };
 
+/// A contact of a body without spheres, and which it is of those that all ranks have found.
+struct BoundaryTouch {
+    EntityId body;
+    unsigned kind; ///< of pair, in the order in which forces are summed
+    PairNames names;
+    Touch touch;
+    friend bool operator<(const BoundaryTouch& a, const BoundaryTouch& b) {
+        if (a.body != b.body) return a.body < b.body;
+        return a.kind != b.kind ? a.kind < b.kind : a.names < b.names;
+    }
+};
+
 /// The contacts of all kinds, and the springs of force elements.
 class AllTouches {
 public:
@@ -141,6 +166,24 @@ public:
         planes_.visit_all(visit);
         membrane_.visit_all(visit);
         for (const BodySpring& s : springs_.all()) visit(s.body, touch_of_spring(s));
+    }
+    /// Calls visit(touch) for the springs of a body.
+    template <class Visit>
+    void visit_springs(Row b, Visit&& visit) const {
+        for (const BodySpring& s : springs_.of(b)) visit(touch_of_spring(s));
+    }
+    /// What the free bodies without spheres of a divided world touch, on the first rank.
+    std::vector<BoundaryTouch> of_boundaries(const World& part) const {
+        std::vector<BoundaryTouch> all;
+        unsigned kind = 0;
+        for_each_kind_of_pair([&]<class Pairs>() {
+            if (part.has<Pairs>() && !std::is_same_v<Pairs, SpherePairs>)
+                add_boundaries<Pairs>(part, kind, all);
+            ++kind;
+        });
+        Ranks::gather(all);
+        std::ranges::sort(all, std::less());
+        return all;
     }
     /// Lists what marked bodies touch.
     void list(const World& world, const std::vector<char>& marked) {
@@ -156,10 +199,26 @@ public:
         facets_.visit(b, visit);
         planes_.visit(b, visit);
         membrane_.visit(b, visit);
-        for (const BodySpring& s : springs_.of(b)) visit(touch_of_spring(s));
+        visit_springs(b, visit);
     }
 
 private:
+    template <class Pairs>
+    const Touches<Pairs>& of_kind() const {
+        if constexpr (std::is_same_v<Pairs, SpherePairs>) return spheres_;
+        if constexpr (std::is_same_v<Pairs, FacetPairs>) return facets_;
+        if constexpr (std::is_same_v<Pairs, PlanePairs>) return planes_;
+        if constexpr (std::is_same_v<Pairs, MembranePairs>) return membrane_;
+    }
+    template <class Pairs>
+    void add_boundaries(const World& part, unsigned kind, std::vector<BoundaryTouch>& all) const {
+        const auto id = part.column<Bodies, BodyId>();
+        const auto motion = part.column<Bodies, MotionOf>();
+        const auto names = part.column<Pairs, PairKey>();
+        of_kind<Pairs>().visit_partners([&](Row b, Row pair, const Touch& touch) {
+            if (motion[b] == free_motion) all.push_back({id[b], kind, names[pair], touch});
+        });
+    }
     static Touch touch_of_spring(const BodySpring& s) {
         return {s.stiffness, 0, 0, s.damping, 0, s.arm, s.axis, false};
     }
@@ -272,10 +331,12 @@ std::vector<double> bounds_of_steps(const AllTouches& touches, const Inertias& i
     return steps;
 }
 
-/// Stable step (s) of a listed body, or a bound of it that is at least `enough`.
-double step_of(const AllTouches& touches, const Inertias& inertias, Row b, double enough) {
+/// Stable step (s) of a body, or a bound of it that is at least `enough`. `for_touches(visit)`
+/// calls visit(touch) for all that the body touches.
+template <class ForTouches>
+double step_of(ForTouches&& for_touches, const Inertias& inertias, Row b, double enough) {
     Mat6 stiffness = Mat6::Zero(), damping = Mat6::Zero();
-    touches.visit(b, [&](const Touch& t) {
+    for_touches([&](const Touch& t) {
         stiffness += share_of(t) * block(t, t.normal, t.shear, t.rolling);
         if (t.normal_damping != 0 || t.shear_damping != 0)
             damping += share_of(t) * block(t, t.normal_damping, t.shear_damping, 0);
@@ -288,6 +349,26 @@ double step_of(const AllTouches& touches, const Inertias& inertias, Row b, doubl
     // the bound from a low power suffices for all bodies but a few
     const double rough = with(2);
     return rough < enough ? with(12) : rough;
+}
+
+/// The same of the free bodies without spheres of a divided world, on the first rank; elsewhere
+/// infinite. Each rank has the contacts of its own grains with them.
+double step_of_boundaries(const World& part, const AllTouches& touches, const Inertias& inertias,
+                          double enough) {
+    const std::vector<BoundaryTouch> all = touches.of_boundaries(part);
+    if (!Ranks::is_first()) return std::numeric_limits<double>::infinity();
+    const auto id = part.column<Bodies, BodyId>();
+    const auto motion = part.column<Bodies, MotionOf>();
+    for (const Row b : part.resource<Census>().boundaries) {
+        if (motion[b] != free_motion) continue;
+        const auto mine = std::ranges::equal_range(all, id[b], {}, &BoundaryTouch::body);
+        const auto for_touches = [&](auto&& visit) {
+            for (const BoundaryTouch& t : mine) visit(t.touch);
+            touches.visit_springs(b, visit);
+        };
+        enough = std::min(enough, step_of(for_touches, inertias, b, enough));
+    }
+    return enough;
 }
 
 } // namespace
@@ -315,6 +396,8 @@ double stable_step(const World& world) {
     std::vector<char> wanted(bodies.size());
     for (Row b = 0; b < wanted.size(); ++b)
         wanted[b] = motion[b] == free_motion && ranks.counts(b) ? 1 : 0;
+    if (ranks.is_divided())
+        for (const Row b : world.resource<Census>().boundaries) wanted[b] = 0;
     const std::vector<double> bound = bounds_of_steps(touches, inertias, wanted);
     double step = infinite;
     const auto look_at = [&](auto&& is_wanted) {
@@ -322,13 +405,17 @@ double stable_step(const World& world) {
         for (Row b = 0; b < bound.size(); ++b) marked[b] = is_wanted(b) ? 1 : 0;
         touches.list(world, marked);
         for (Row b = 0; b < bound.size(); ++b)
-            if (marked[b] != 0) step = std::min(step, step_of(touches, inertias, b, step));
+            if (marked[b] != 0)
+                step = std::min(step, step_of([&](auto&& visit) { touches.visit(b, visit); },
+                                              inertias, b, step));
     };
     // the body of the least bound first: few others can have a shorter step
     const double least = bound.empty() ? infinite : *std::ranges::min_element(bound);
     constexpr double margin = 1e-3; // of largest_eigenvalue
     if (least < infinite) look_at([&](Row b) { return bound[b] == least; });
     look_at([&](Row b) { return bound[b] > least && (1 - margin) * bound[b] < step; });
+    if (ranks.is_divided())
+        step = std::min(step, step_of_boundaries(world, touches, inertias, step));
     return ranks.smallest(step);
 }
 

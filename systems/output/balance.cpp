@@ -1,6 +1,7 @@
 #include "systems/output/balance.hpp"
 
 #include "components/body.hpp"
+#include "components/census.hpp"
 #include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/over_ranks.hpp"
@@ -9,6 +10,8 @@
 #include "engine/exact_sum.hpp"
 #include "systems/output/outer_force.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -21,7 +24,8 @@ namespace {
 /// does not change a bit, and wide ones, because a boundary may have any number of contacts.
 struct Sum {
     WideInteger x = 0, y = 0, z = 0, total = 0;
-    std::uint64_t contacts = 0;
+    WideInteger contacts = 0;
+    std::array<WideInteger*, 5> numbers() { return {&x, &y, &z, &total, &contacts}; }
     void add(const Vec3& units) {
         const auto integer = [](double u) { return WideInteger{std::llrint(u)}; };
         x += integer(units.x());
@@ -55,6 +59,21 @@ void add_pairs(const World& world, const OverRanks& ranks, double per_force, std
     });
 }
 
+/// Each rank has found the contacts of its own grains with the boundaries, which all ranks have.
+void add_boundaries_over_ranks(const World& world, const OverRanks& ranks, std::vector<Sum>& sums) {
+    if (!ranks.is_divided()) return;
+    std::vector<Row> boundaries = world.resource<Census>().boundaries;
+    const auto id = world.column<Bodies, BodyId>(); // each rank sorts its rows as it likes
+    std::ranges::sort(boundaries, {}, [&](Row b) { return id[b]; });
+    std::vector<WideInteger> all;
+    for (const Row b : boundaries)
+        for (const WideInteger* number : sums[b].numbers()) all.push_back(*number);
+    add_over_ranks(all);
+    const WideInteger* next = all.data();
+    for (const Row b : boundaries)
+        for (WideInteger* number : sums[b].numbers()) *number = *next++;
+}
+
 } // namespace
 
 Balance compute_balance(const World& world) {
@@ -65,6 +84,7 @@ Balance compute_balance(const World& world) {
     for_each_kind_of_pair([&]<class Pairs>() {
         add_pairs<Pairs>(world, ranks, unit > 0 ? 1 / unit : 0, sums, balance);
     });
+    add_boundaries_over_ranks(world, ranks, sums);
     const auto motion = world.column<Bodies, MotionOf>();
     const OuterForces outer(world);
     ExactSum unbalanced, total;

@@ -1,3 +1,4 @@
+#include "components/over_ranks.hpp"
 #include "engine/ranks.hpp"
 #include "systems/slabs/slabs.hpp"
 
@@ -7,28 +8,6 @@
 #include <numeric>
 
 namespace bris {
-
-namespace {
-
-void add_over_ranks(std::vector<WideInteger>& values) {
-    // three numbers for each of 128 bits, whose sums over ranks cannot overflow
-    constexpr WideInteger base = WideInteger{1} << 32;
-    std::vector<std::int64_t> limbs;
-    for (WideInteger value : values)
-        for (int k = 0; k < 3; ++k) {
-            const auto low = static_cast<std::int64_t>(value & (base - 1));
-            limbs.push_back(k < 2 ? low : static_cast<std::int64_t>(value));
-            value = (value - low) / base;
-        }
-    Ranks::sum(limbs);
-    const std::int64_t* next = limbs.data();
-    for (WideInteger& value : values) {
-        value = next[0] + base * (next[1] + base * WideInteger{next[2]});
-        next += 3;
-    }
-}
-
-} // namespace
 
 void share_census(const Slab&, const ListState& lists, const Clock& clock, Census& census) {
     if (lists.last_rebuild != clock.step) return;
