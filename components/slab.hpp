@@ -73,4 +73,13 @@ struct Slab {
     }
 };
 
+/// How a world is first divided of which each rank has made only the grains in its slab and near
+/// it. Whoever divides it uses the plan up.
+struct SlabPlan {
+    static constexpr auto name = "slab_plan";
+    int axis = 0;
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero(); ///< m, of a box with the centres of all grains
+    std::vector<double> cuts = {};                ///< as those of Slab; empty: there is no plan
+};
+
 } // namespace bris

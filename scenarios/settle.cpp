@@ -12,6 +12,7 @@
 #include "scenarios/specimens/start.hpp"
 #include "scenarios/specimens/write_option.hpp"
 #include "systems/output/quantities.hpp"
+#include "systems/slabs/slabs.hpp"
 #include "systems/sleep/sleep.hpp"
 
 #include <fmt/format.h>
@@ -118,6 +119,7 @@ Report summary_of(const Settle& settings, const Simulation& simulation, LastQuan
     summary.add("floor_force_error", std::abs(carried - 1));
     add_quantities(summary, last.quantities());
     if (settings.sleep > 0) summary.add("sleepers", sleepers(world));
+    if (Ranks::size() > 1) summary.add("share_of_ghosts", share_of_ghosts(world));
     summary.add("rebuilds", world.resource<ListState>().rebuilds);
     summary.add("prunes", world.resource<ListState>().prunes);
     run.add_to_summary(summary);

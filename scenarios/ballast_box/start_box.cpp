@@ -9,14 +9,27 @@
 
 namespace bris {
 
-Simulation make_box_simulation(const BallastBox& box, const Common& common) {
+namespace {
+
+Simulation make(const BallastBox& box, const Common& common, bool divides) {
     check_box(box);
     World world = make_box_world(box, common.seed);
     const auto bodies = static_cast<double>(world.table<Bodies>().size());
     require_memory("rock_scale", bodies, bytes_of_rocks(bodies, 30), common.memory_limit);
     return start(std::move(world), {.law = LawName::linear_viscous,
                                     .threads = common.threads,
-                                    .schedule = {.serial = common.serial}});
+                                    .schedule = {.serial = common.serial},
+                                    .divides = divides});
+}
+
+} // namespace
+
+Simulation make_box_simulation(const BallastBox& box, const Common& common) {
+    return make(box, common, true);
+}
+
+Simulation make_undivided_box(const BallastBox& box, const Common& common) {
+    return make(box, common, false);
 }
 
 std::string explain_box(const BallastBox& box, const Common& common) {

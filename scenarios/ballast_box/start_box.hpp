@@ -15,6 +15,8 @@ namespace bris {
 /// The world of a box with its step. Throws InputError, and SimulationError where its rocks need
 /// more memory than there is.
 Simulation make_box_simulation(const BallastBox& box, const Common& common);
+/// The same, computed as a whole by each of several ranks.
+Simulation make_undivided_box(const BallastBox& box, const Common& common);
 
 /// The systems of its step, those of the fields of a fouled run included (--explain).
 std::string explain_box(const BallastBox& box, const Common& common);

@@ -1,6 +1,9 @@
 #include "scenarios/specimens/recorded_motion.hpp"
 
 #include "components/kinds.hpp"
+#include "components/over_ranks.hpp"
+#include "engine/ordering.hpp"
+#include "engine/ranks.hpp"
 #include "scenarios/specimens/scene.hpp"
 
 namespace bris {
@@ -36,13 +39,38 @@ Recording recording_of(const RecordingImu& recorder, unsigned id, const Vec3& po
     return r;
 }
 
+namespace {
+
+/// Poses of the bodies with inertial recorders, on all ranks.
+std::vector<Pose> poses_of_recorders(const World& world) {
+    const auto& list = world.resource<InertialRecorders>().list;
+    const OverRanks ranks(world);
+    const RowIndex row_of(world.column<Bodies, BodyId>());
+    std::vector<double> numbers;
+    for (const InertialRecorder& recorder : list) {
+        const Row row = row_of[recorder.body];
+        const bool here = row != no_row && ranks.counts(row);
+        const Vec3 x = here ? world.column<Bodies, Position>()[row] : Vec3(Vec3::Zero());
+        const Quat q = here ? world.column<Bodies, Orientation>()[row] : Quat(0, 0, 0, 0);
+        numbers.insert(numbers.end(), {x.x(), x.y(), x.z(), q.w(), q.x(), q.y(), q.z()});
+    }
+    if (ranks.is_divided()) Ranks::sum(std::span(numbers)); // one rank has each, others zeros
+    std::vector<Pose> poses;
+    for (auto n = numbers.begin(); n != numbers.end(); n += 7)
+        poses.push_back({Vec3(n[0], n[1], n[2]), Quat(n[3], n[4], n[5], n[6])});
+    return poses;
+}
+
+} // namespace
+
 std::vector<Recording> recordings_of(const World& world, RecordingImu InertialRecorder::*by) {
+    const std::vector<Pose> poses = poses_of_recorders(world);
     std::vector<Recording> recordings;
     for (const InertialRecorder& recorder : world.resource<InertialRecorders>().list) {
-        const Row row = row_of_body(world, recorder.body);
-        recordings.push_back(recording_of(
-            recorder.*by, static_cast<unsigned>(recordings.size() + 1),
-            world.column<Bodies, Position>()[row], world.column<Bodies, Orientation>()[row]));
+        const Pose& pose = poses[recordings.size()];
+        recordings.push_back(recording_of(recorder.*by,
+                                          static_cast<unsigned>(recordings.size() + 1),
+                                          pose.position, pose.orientation));
     }
     return recordings;
 }

@@ -51,13 +51,14 @@ void add_facet_corners(const World& world, std::vector<Vec3>& corners) {
     const auto host = world.column<Facets, HostId>();
     const auto shape = world.column<Facets, LocalFacet>();
     const Table& bodies = world.table<Bodies>();
-    corners.resize(4 * shape.size());
-    for (std::size_t f = 0; f < shape.size(); ++f) {
+    std::vector<Row> by_id = all_rows(shape.size());
+    std::ranges::sort(by_id, {}, [&](Row f) { return id[f]; });
+    for (const Row f : by_id) {
         const Row h = rows[host[f]];
         const Quat turned =
             bodies.has<Orientation>() ? bodies.column<Orientation>()[h] : Quat(Quat::Identity());
         const FacetRow at = placed(shape[f], bodies.column<Position>()[h], turned);
-        for (std::size_t k = 0; k < 4; ++k) corners[4 * id[f] + k] = at.corners[k];
+        corners.insert(corners.end(), at.corners.begin(), at.corners.end());
     }
 }
 

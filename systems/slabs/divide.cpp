@@ -7,6 +7,8 @@
 #include "systems/slabs/slabs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <malloc.h>
@@ -79,6 +81,15 @@ unsigned most_slabs(const World& world) {
     return std::max(1u, static_cast<unsigned>(length / (4 * largest)));
 }
 
+double share_of_ghosts(const World& world) {
+    if (!world.has_resource<Slab>()) return 0;
+    std::array<std::int64_t, 2> counts{0, 0}; // ghosts, own
+    const auto ghost = world.column<Bodies, Ghost>();
+    for (const Row b : detail::grains_of(world)) ++counts[ghost[b] != 0 ? 0 : 1];
+    Ranks::sum(counts);
+    return static_cast<double>(counts[0]) / static_cast<double>(counts[1]);
+}
+
 std::vector<unsigned> ranks_of_bodies(const World& whole) {
     const auto [low, high] = box_of_grains(whole);
     const Slab slab = slab_of_this_rank(whole, high - low);
@@ -88,10 +99,29 @@ std::vector<unsigned> ranks_of_bodies(const World& whole) {
     return ranks;
 }
 
-World take_slab(World& whole) {
+namespace {
+
+/// With an outline that has no bodies yet.
+Slab first_slab(World& whole) {
+    if (whole.has_resource<SlabPlan>() && !whole.resource<SlabPlan>().cuts.empty()) {
+        const SlabPlan plan = std::exchange(whole.resource<SlabPlan>(), {});
+        Slab slab;
+        slab.rank = Ranks::rank();
+        slab.axis = plan.axis;
+        slab.cuts = plan.cuts;
+        slab.outline = Outline(plan.axis, plan.low, plan.high);
+        return slab;
+    }
     const auto [low, high] = box_of_grains(whole);
     Slab slab = slab_of_this_rank(whole, high - low);
     slab.outline = Outline(slab.axis, low, high);
+    return slab;
+}
+
+} // namespace
+
+World take_slab(World& whole) {
+    Slab slab = first_slab(whole);
     detail::outline_own_slab(slab, whole);
     std::vector<Row> here;
     const auto position = whole.column<Bodies, Position>();

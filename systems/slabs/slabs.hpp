@@ -29,10 +29,14 @@ namespace bris {
 /// wide as two of its largest bodies; at least 1. Thinner slabs would hold little but ghosts.
 unsigned most_slabs(const World& world);
 
-/// This rank's part of a world that all ranks have: the bodies of its slab, ghosts, and all
-/// boundaries. The slabs have equal work. `SpheresOf` and `OuterSkin` must be up to date (survey).
-/// The whole world has no bodies any more, until give_back.
+/// This rank's part of a world that all ranks have, or as far as each has made it (SlabPlan): the
+/// bodies of its slab, ghosts, and all boundaries. The slabs have equal work. `SpheresOf` and
+/// `OuterSkin` must be up to date (survey). The whole world has no bodies any more, until
+/// give_back.
 World take_slab(World& whole);
+
+/// Ghosts of all ranks over the bodies with spheres, as all ranks ask; 0 of a whole world.
+double share_of_ghosts(const World& world);
 
 /// The rank in whose slab each body of a whole world lies if it is divided now, by row.
 std::vector<unsigned> ranks_of_bodies(const World& whole);
