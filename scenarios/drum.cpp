@@ -8,9 +8,10 @@
 // moves and its shape stays in place. The drum rotates at full speed from time 0 on.
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/over_ranks.hpp"
 #include "components/settings.hpp"
+#include "engine/exact_sum.hpp"
 #include "engine/memory.hpp"
-#include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "engine/report.hpp"
 #include "scenarios/bulk/bulk_run.hpp"
@@ -99,24 +100,28 @@ struct Zones {
 };
 
 Zones zones_of(const World& world, std::uint32_t material) {
-    Zones n;
-    double count = 0;
+    const OverRanks ranks(world);
+    ExactSum x_sum, z_sum;
+    std::size_t first = 0, second = 0, count = 0;
     const auto motion = world.column<Bodies, MotionOf>();
     const auto kind = world.column<Bodies, MaterialOf>();
     const auto position = world.column<Bodies, Position>();
-    for (const Row b :
-         rows_by_id(world.column<Bodies, BodyId>())) { // the order of ids keeps sums bit-identical
-        if (motion[b] != static_cast<std::uint32_t>(Motion::free) || kind[b] != material) continue;
+    for (Row b = 0; b < position.size(); ++b) {
+        if (motion[b] != static_cast<std::uint32_t>(Motion::free) || kind[b] != material ||
+            !ranks.counts(b))
+            continue;
         const Vec3& x = position[b];
-        if (x.x() > 0 && x.z() > 0) ++n.first;
-        if (x.x() < 0 && x.z() < 0) ++n.second;
-        n.x += x.x();
-        n.z += x.z();
+        if (x.x() > 0 && x.z() > 0) ++first;
+        if (x.x() < 0 && x.z() < 0) ++second;
+        x_sum.add(x.x());
+        z_sum.add(x.z());
         ++count;
     }
-    n.x /= std::max(1.0, count);
-    n.z /= std::max(1.0, count);
-    return n;
+    ranks.add({&x_sum, &z_sum});
+    ranks.add({&first, &second, &count});
+    const double all = std::max(1.0, static_cast<double>(count));
+    return {static_cast<double>(first), static_cast<double>(second), x_sum.value() / all,
+            z_sum.value() / all};
 }
 
 struct DrumSample {
@@ -142,7 +147,7 @@ BulkCase make_case(const DrumTest& t, std::uint64_t seed, DrumCurve& curve) {
             world.column<Bodies, StepAngularVelocity>()[row] = angular_velocity;
         show_velocities(world);
     };
-    c.sample = [&curve](World& world) {
+    c.sample = [&curve](const World& world) {
         const Zones m1 = zones_of(world, 0), m2 = zones_of(world, 1);
         curve.add({.time = world.resource<Clock>().time(),
                    .zone1_m1 = m1.first,

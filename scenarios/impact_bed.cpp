@@ -157,7 +157,7 @@ BulkCase make_case(const ImpactTest& t, std::uint64_t seed, BallCurve& curve) {
                                        surface(world, t.ball_diameter / 2) - box_floor};
         let_go(world, t);
     };
-    c.sample = [&curve](World& world) {
+    c.sample = [&curve](const World& world) {
         const Row row = row_of_body(world, ball);
         const Clock& clock = world.resource<Clock>();
         curve.add({.time = clock.time(),

@@ -1,31 +1,21 @@
 // A train passes over a track of any length: bays of ballast side by side in one world, copies of a
 // bay that was made and seated by itself, below a rail that joins their ties. The world is divided
 // among ranks, each of which makes and computes a part of it only.
+#include "scenarios/track/long_track.hpp"
+
 #include "components/kinds.hpp"
-#include "components/over_ranks.hpp"
-#include "components/slab.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
-#include "engine/memory.hpp"
-#include "engine/ordering.hpp"
+#include "engine/ranks.hpp"
 #include "engine/report.hpp"
 #include "engine/run.hpp"
-#include "scenarios/ballast_box/passages.hpp"
-#include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/monitoring/vibration.hpp"
 #include "scenarios/specimens/check_scene.hpp"
-#include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/last_quantities.hpp"
-#include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/recorded_motion.hpp"
-#include "scenarios/specimens/scene.hpp"
-#include "scenarios/specimens/start.hpp"
-#include "scenarios/track/lay_bays.hpp"
-#include "scenarios/track/rail_over_bays.hpp"
 #include "scenarios/track/tie_records.hpp"
-#include "systems/contact/stable_step.hpp"
 #include "systems/output/frames.hpp"
 #include "systems/slabs/slabs.hpp"
 
@@ -33,56 +23,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 namespace {
 
 using namespace bris;
-
-struct LongTrack {
-    BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42};
-    unsigned bays = 3;
-    std::string train = "passenger";
-    double speed = 31.3, duration = 0, pad_stiffness = 120e6;
-
-    void declare_options(auto& option) {
-        option.group("Track");
-        option("bays", bays, "",
-               "Bays of ballast, each with a tie and 0.61 m of track: copies of one bay, every "
-               "second one its mirror image.",
-               within(1, 20000).usually(1, 2000));
-        option("pad_stiffness", pad_stiffness, "N/m",
-               "Stiffness of the pads between the rails and a tie, those of both rails together.",
-               within(1e6, 1e10).usually(5e7, 5e8));
-        box.declare_track_options(option);
-        option.group("Train");
-        option("train", train, "",
-               "Train: passenger, freight, inspection, locomotive (assets/trains), or the path of "
-               "a CSV file with the columns position_m and axle_load_kN.");
-        option("speed", speed, "m/s", "Speed of the train.", within(0.1, 120));
-        option("duration", duration, "s",
-               "Simulated time from the first axle on the rail on, which begins 20 ties before the "
-               "ballast. 0: until the last axle has left it.",
-               within(0, 1e4));
-        option.group("Ballast");
-        option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.",
-               within(0, 4));
-        box.declare_ballast_options(option);
-        option.group("Simulation");
-        box.declare_simulation_options(option);
-    }
-
-    /// Of the ties on springs beyond the ballast.
-    RailOnTies rails() const {
-        constexpr double usual_bed = 80e6; // N/m, of clean beds of this model
-        return {.bending = box.rail_bending,
-                .tie_support =
-                    box.tie_support > 0 ? box.tie_support : in_series(pad_stiffness, usual_bed),
-                .spacing = tie_spacing,
-                .tie_weight = weight_of_tie,
-                .pad = pad_stiffness};
-    }
-};
 
 /// What the track does at a time; loads and supports are those of half ties.
 struct TrackSample {
@@ -101,107 +46,6 @@ struct TrackSample {
 };
 
 constexpr double sample_interval = 5e-3; // s
-constexpr auto bay_name = "bay";
-
-/// Whether a run was interrupted before its bay was made.
-bool ends_in_bay(const std::filesystem::path& resume) {
-    const auto file = fmt::format("{}.ckpt.h5", bay_name);
-    return std::filesystem::is_directory(resume) ? std::filesystem::exists(resume / file)
-                                                 : resume.filename() == file;
-}
-bool resumes_track(const Common& common) {
-    return !common.resume.empty() && !ends_in_bay(common.resume);
-}
-
-/// In the folder of results, from which the bay's files are removed once it is made.
-void make_bay(Simulation& simulation, const LongTrack& t, const Common& common) {
-    BoxTestRun test(simulation, t.box, common.seed);
-    const std::vector<std::string_view> after_bed{"bays",
-                                                  "train",
-                                                  "speed_m_per_s",
-                                                  "duration_s",
-                                                  "pad_stiffness_N_per_m",
-                                                  "restitution",
-                                                  "step_fraction",
-                                                  "rail_bending_N_m2",
-                                                  "tie_support_N_per_m"};
-    Run run(simulation, common, bay_name);
-    const BoxBed bed(simulation, common, after_bed);
-    bed.begin(run, simulation, t.box, after_bed);
-    std::vector<Phase> phases = test.making_of_bed();
-    phases.push_back(test.seat());
-    phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
-    run.go(phases);
-    if (!Ranks::is_first()) return;
-    for (const char* file : {"bed.ckpt.h5", "bay.ckpt.h5"}) // whoever wants them asks the store
-        std::filesystem::remove(common.out / file);
-}
-
-/// Each rank makes the bays of its part and one more on either side.
-OwnBays own_bays(unsigned bays) {
-    const unsigned ranks = Ranks::size(), rank = Ranks::rank();
-    const unsigned first = bays * rank / ranks, last = bays * (rank + 1) / ranks;
-    return {rank > 0 ? first - 1 : 0, rank + 1 < ranks ? last + 1 : bays};
-}
-
-SlabPlan plan_of(const World& world, unsigned bays) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    const Limits& limits = world.resource<Limits>();
-    SlabPlan plan{.axis = 0, .low = limits.low, .high = limits.high, .cuts = {-infinity}};
-    for (unsigned rank = 1; rank < Ranks::size(); ++rank)
-        plan.cuts.push_back(tie_spacing * (bays * rank / Ranks::size()));
-    plan.cuts.push_back(infinity);
-    return plan;
-}
-
-/// Makes the track of a bay, and divides it.
-void lay_track(Simulation& simulation, const LongTrack& t) {
-    World& world = simulation.world();
-    const EntityId once = add_ties_on_springs(world, t.rails(), t.bays);
-    lay_bays(world, t.bays, own_bays(t.bays), once);
-    lay_rail(world, t.rails(), once);
-    auto& limits = world.resource<Limits>();
-    const double beyond = tie_spacing * static_cast<double>(t.rails().ties_on_each_side() + 1);
-    limits.low.x() -= beyond;
-    limits.high.x() += beyond;
-    if (Ranks::size() > 1) world.add_resource(plan_of(world, t.bays));
-    simulation.prepare();
-    divide_among_ranks(simulation);
-}
-
-Simulation make_track(const LongTrack& t, const Common& common) {
-    require(t.bays >= Ranks::size(), fmt::format("--ranks: expected at most one for each of the {} "
-                                                 "bays, found {}",
-                                                 t.bays, Ranks::size()));
-    Simulation simulation = make_undivided_box(t.box, common);
-    std::size_t rocks = 0;
-    for (const auto& course : simulation.world().resource<BoxBodies>().rocks)
-        rocks += course.size();
-    const double all = static_cast<double>(rocks) * t.bays;
-    require_memory("bays", t.bays, bytes_of_rocks(all / Ranks::size(), 30), common.memory_limit);
-    if (!resumes_track(common) && !common.explain) {
-        make_bay(simulation, t, common);
-    } else { // the checkpoint has the State of all bodies, and a rail lies on ties that are free
-        World& world = simulation.world();
-        for (const EntityId tie : world.resource<BoxBodies>().ties)
-            value_of<MotionOf>(world, tie) = static_cast<std::uint32_t>(Motion::free);
-    }
-    lay_track(simulation, t);
-    return simulation;
-}
-
-/// The train comes, once the contacts between the bays are known, from which the step follows.
-void begin_passage(Simulation& simulation, const LongTrack& t) {
-    simulation.divide_now();
-    simulation.advance_unseen(1);
-    simulation.observe();
-    const double stable = stable_step(simulation.observed());
-    World& world = simulation.divide_now();
-    set_materials(world);
-    world.resource<Clock>().change_step(t.box.step_fraction * stable);
-    begin_train(world, train_named(t.train), t.speed);
-    start_recording(world);
-}
 
 void add_recordings(Report& summary, const World& world, const Common& common) {
     const std::vector<Recording> recordings = recordings_of(world);
@@ -221,32 +65,20 @@ void add_recordings(Report& summary, const World& world, const Common& common) {
 }
 
 /// The rocks, ties and plates of some bays around the middle; sensor rocks in red.
-View view_of_middle(const World& world, const BodyFrame& frame, unsigned bays) {
+View view_of_middle(const World& world, unsigned bays) {
     constexpr double half = 3 * tie_spacing; // m
     const double middle = 0.5 * tie_spacing * bays;
+    const auto is_near = [&](const Vec3& x) { return std::abs(x.x() - middle) < half + 1e-3; };
     const auto& sensors = world.resource<BoxBodies>().sensors;
-    const OverRanks ranks(world);
     const auto id = world.column<Bodies, BodyId>();
     const auto position = world.column<Bodies, Position>();
-    const auto orientation = world.column<Bodies, Orientation>();
-    const auto run = world.column<Bodies, SpheresOf>();
-    const auto ball = world.column<Spheres, LocalBall>();
-    View view;
-    for (Row b = 0; b < id.size(); ++b) {
-        if (!ranks.counts(b) || std::abs(position[b].x() - middle) > half) continue;
+    View view = view_of_grains(world, [&](Row b) -> std::optional<Colour> {
+        if (!is_near(position[b])) return std::nullopt;
         const bool senses = std::ranges::count(sensors, id[b], &BoxSensor::body) > 0;
-        for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
-            view.balls.push_back({position[b] + orientation[b] * ball[k].centre, ball[k].radius,
-                                  senses ? Colour{200, 40, 40} : rock_colour(id[b])});
-    }
-    const auto is_near = [&](const Vec3& corner) {
-        return std::abs(corner.x() - middle) < half + 1e-3;
-    };
-    for (std::size_t q = 0; q < frame.quads(); ++q) {
-        const std::array<Vec3, 4> quad{frame.corners[4 * q], frame.corners[4 * q + 1],
-                                       frame.corners[4 * q + 2], frame.corners[4 * q + 3]};
-        if (std::ranges::all_of(quad, is_near)) view.quads.push_back(quad);
-    }
+        return senses ? Colour{200, 40, 40} : rock_colour(id[b]);
+    });
+    std::erase_if(view.quads,
+                  [&](const auto& quad) { return !std::ranges::all_of(quad, is_near); });
     view.caption = fmt::format("The middle of a track of {} bays. Red: sensor rocks.", bays);
     return view;
 }
@@ -303,6 +135,8 @@ Report summary_of(const LongTrack& t, Simulation& simulation, const TieRecords& 
     summary.add("stable_step_s", last.stable_step());
     summary.add("rock_steps_per_s", static_cast<double>(count.steps * rocks) / count.wall_time);
     if (Ranks::size() > 1) summary.add("share_of_ghosts", share_of_ghosts(world));
+    summary.add("rebuilds", world.resource<ListState>().rebuilds);
+    summary.add("prunes", world.resource<ListState>().prunes);
     const TieRecord largest = ties.largest();
     summary.add("largest_deflection_mm", 1e3 * largest.deflection);
     summary.add("largest_settlement_mm", 1e3 * largest.settlement);
@@ -327,13 +161,21 @@ void check_options(const LongTrack& t, const Common&) {
                         rails.pad, rails.tie_support));
 }
 
-void run(const LongTrack& t, const Common& common) {
+/// What is left of a simulation when its memory is free.
+struct Outcome {
+    SeriesOf<TrackSample> samples{"track"};
+    TieRecords ties = {};
+    View view = {};
+    Report summary = {};
+};
+
+Outcome simulate(const LongTrack& t, const Common& common) {
+    Outcome found;
     Simulation simulation = make_track(t, common);
-    SeriesOf<TrackSample> samples("track");
     LastQuantities last(simulation);
-    TieRecords ties;
+    TieRecords& ties = found.ties;
     Run run(simulation, common, "long_track");
-    run.keep(samples);
+    run.keep(found.samples);
     run.keep(last);
     run.keep(ties);
     if (!resumes_track(common)) {
@@ -342,10 +184,8 @@ void run(const LongTrack& t, const Common& common) {
     } else {
         run.resume(common.resume, {"duration_s"});
     }
-    const double dt = simulation.divide_now().resource<Clock>().dt,
-                 duration = t.duration > 0 ? t.duration
-                                           : time_on_rail(simulation.divide_now(),
-                                                          train_named(t.train), t.speed);
+    const World& part = simulation.divide_now();
+    const double dt = part.resource<Clock>().dt, duration = duration_of(t, part);
     const std::uint64_t steps = steps_of(duration, dt, "duration");
     if (run.is_resumed()) run.require_steps_left(steps, "duration");
     const auto sample = [&](Simulation& s, std::uint64_t) {
@@ -353,14 +193,13 @@ void run(const LongTrack& t, const Common& common) {
         const World& world = s.observed();
         check_stable_step(world, last.stable_step());
         ties.note(world);
-        const Quantities& q = last.quantities();
-        samples.add({.time = world.resource<Clock>().time() - ties.began(),
-                     .deflection = ties.middle().now,
-                     .support = ties.middle().support_now,
-                     .largest_deflection = ties.largest().deflection,
-                     .unbalanced_ratio = q.unbalanced_ratio,
-                     .kinetic_energy = q.kinetic_energy,
-                     .stable_step = last.stable_step()});
+        found.samples.add({.time = world.resource<Clock>().time() - ties.began(),
+                           .deflection = ties.middle().now,
+                           .support = ties.middle().support_now,
+                           .largest_deflection = ties.largest().deflection,
+                           .unbalanced_ratio = last.quantities().unbalanced_ratio,
+                           .kinetic_energy = last.quantities().kinetic_energy,
+                           .stable_step = last.stable_step()});
         return true;
     };
     run.go({run.timed({.name = "pass",
@@ -369,18 +208,23 @@ void run(const LongTrack& t, const Common& common) {
                            1, static_cast<std::uint64_t>(std::llround(sample_interval / dt))),
                        .sample = sample,
                        .looks = false})});
-    Report summary = summary_of(t, simulation, ties, last, run, common);
+    const World& world = simulation.observed();
+    found.summary = summary_of(t, simulation, ties, last, run, common);
     FrameWriter frames(common.out / "long_track.vtkhdf", common.settings);
-    const BodyFrame frame = frame_of_bodies(simulation.observed());
-    frames.add(simulation.observed(), frame);
+    frames.add(world);
     frames.file().close();
-    View view = view_of_middle(simulation.observed(), frame, t.bays);
-    gather(view);
-    draw_picture(common.out / "middle.png", {&view, 1}, {.azimuth = -1.2, .elevation = 0.15});
-    draw(t, samples, ties, common);
-    samples.write_csv(common.out / "samples.csv");
-    write_ties(common.out / "ties.csv", ties);
-    report_results(common, summary);
+    found.view = view_of_middle(world, t.bays);
+    return found;
+}
+
+void run(const LongTrack& t, const Common& common) {
+    Outcome found = simulate(t, common);
+    gather(found.view);
+    draw_picture(common.out / "middle.png", {&found.view, 1}, {.azimuth = -1.2, .elevation = 0.15});
+    draw(t, found.samples, found.ties, common);
+    found.samples.write_csv(common.out / "samples.csv");
+    write_ties(common.out / "ties.csv", found.ties);
+    report_results(common, found.summary);
 }
 
 std::string explain(const LongTrack& t, const Common& common) {

@@ -153,9 +153,9 @@ BulkCase make_case(const SiloTest& t, std::uint64_t seed, SiloCurve& curve) {
     const double lip = silo_of(t).lip, all = t.spheres;
     constexpr EntityId plate = 1;
     c.begin = [=](World& world) { take_away(world, plate, Vec3(0, 0, -10)); };
-    c.sample = [=, &curve](World& world) {
+    c.sample = [=, &curve](const World& world) {
         const Counted now = count(world, lip);
-        auto& outflow = world.resource<Outflow>();
+        const auto& outflow = world.resource<Outflow>();
         if (now.above + now.below + outflow.retired != all)
             throw SimulationError(fmt::format(
                 "silo: expected {} spheres, found {} above the lip, {} below and {} retired", all,
@@ -164,9 +164,12 @@ BulkCase make_case(const SiloTest& t, std::uint64_t seed, SiloCurve& curve) {
                    .above = now.above,
                    .out = now.below + outflow.retired,
                    .in_scene = now.above + now.below});
-        if (now.gone.empty()) return;
-        outflow.retired += static_cast<double>(now.gone.size());
-        (void)retire_bodies(world, now.gone); // wall and plate come first and keep their ids
+    };
+    c.edit = [=](World& world) {
+        const std::vector<Row> gone = count(world, lip).gone;
+        if (gone.empty()) return;
+        world.resource<Outflow>().retired += static_cast<double>(gone.size());
+        (void)retire_bodies(world, gone); // wall and plate come first and keep their ids
     };
     c.is_over = [=](const World& world) { return count(world, lip).above == 0; };
     c.description = [&curve] {

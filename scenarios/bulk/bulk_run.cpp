@@ -151,7 +151,8 @@ Phase BulkRun::case_phase() {
              [this](const World&) {
                  return fmt::format("{:.4f} s, {}", clock().time(), case_.description());
              },
-         .begin = [this](Simulation&) { begin_case(); }});
+         .begin = [this](Simulation&) { begin_case(); },
+         .looks = false});
 }
 
 void BulkRun::begin_case() {
@@ -171,6 +172,10 @@ void BulkRun::open_frames() {
 bool BulkRun::at_sample(std::uint64_t step) {
     const std::uint64_t per_frame =
         std::max<std::uint64_t>(1, total_ / sample_every_ / settings_.frames) * sample_every_;
+    if (case_.edit)
+        simulation_.look();
+    else
+        simulation_.observe();
     measure_contacts();
     take_sample();
     if (step % per_frame == 0 || step == total_) frames_->add(world());
@@ -185,17 +190,15 @@ void BulkRun::measure_contacts() {
 }
 
 void BulkRun::take_sample() {
-    case_.sample(simulation_.world());
+    case_.sample(world());
+    if (!case_.edit) return;
+    case_.edit(simulation_.world());
     simulation_.prepare(); // tables may have become shorter
 }
 
 // draws only what is behind the middle plane or reaches through it, to show the inside
 void BulkRun::keep_view() {
-    const BodyFrame frame = frame_of_bodies(world());
-    const auto rows = rows_by_id(world().column<Bodies, BodyId>());
-    View view = view_of_bodies(world(), frame, [&](std::size_t index) {
-        return case_.colour(world(), rows[static_cast<std::size_t>(frame.ids[index])]);
-    });
+    View view = view_of_grains(world(), [&](Row row) { return case_.colour(world(), row); });
     std::erase_if(view.balls, [](const DrawnBall& ball) { return ball.centre.y() > ball.radius; });
     std::erase_if(view.quads, [](const auto& quad) { // and boundaries that were moved away
         return std::ranges::any_of(
@@ -228,6 +231,7 @@ void BulkRun::report(const Report& results, std::vector<Plot> plots) {
     case_.curve.write_track(frames_->file());
     frames_->file().close();
     draw_plots(common_.out / "curve.png", plots);
+    for (View& view : views_) gather(view);
     draw_picture(common_.out / "scene.png", views_, {.azimuth = 0, .elevation = 0}, 900);
     report_results(common_, summary);
 }

@@ -40,8 +40,10 @@ struct BulkCase {
     Series& curve; ///< to which `sample` adds
     /// Starts the run; called when the bed is at rest and the clock is at 0.
     std::function<void(World&)> begin = {};
-    /// Adds a sample to the curve, at every sample interval; may edit the scene.
-    std::function<void(World&)> sample = {};
+    /// Adds a sample to the curve, at every sample interval. Of a divided world all ranks do.
+    std::function<void(const World&)> sample = {};
+    /// Edits the whole scene after each sample; empty: nothing does, and the world stays divided.
+    std::function<void(World&)> edit = {};
     /// Whether the run is over before its duration; called after each sample.
     std::function<bool(const World&)> is_over = {};
     std::function<std::string()> description = {};        ///< for the progress line
@@ -58,7 +60,11 @@ public:
     /// Runs everything; returns false if only the bed was requested.
     bool run();
 
-    const World& world() const { return std::as_const(simulation_).world(); }
+    /// At the last sample; of a divided world this rank's part.
+    const World& world() const {
+        return simulation_.is_observed() ? simulation_.observed()
+                                         : std::as_const(simulation_).world();
+    }
     /// Writes the curve, the pictures and summary.json, and prints the summary: `results` first,
     /// then the values that all cases share.
     void report(const Report& results, std::vector<Plot> plots);
@@ -66,7 +72,10 @@ public:
     std::vector<Curve> reference() const;
 
 private:
-    const Clock& clock() const { return world().resource<Clock>(); }
+    const Clock& clock() const {
+        const World* part = simulation_.part();
+        return (part != nullptr ? *part : world()).resource<Clock>();
+    }
     const BedState& bed() const { return world().resource<BedState>(); }
     void start_from_files();
     Phase bed_phase();

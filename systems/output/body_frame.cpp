@@ -94,6 +94,14 @@ void add_sleeve_corners(const World& world, std::vector<Vec3>& corners) {
             corners.push_back(position[t.node[k]]);
 }
 
+std::vector<Vec3> corners_of(const World& world) {
+    std::vector<Vec3> corners;
+    add_facet_corners(world, corners);
+    add_membrane_corners(world, corners);
+    add_sleeve_corners(world, corners);
+    return corners;
+}
+
 /// The rows of the bodies with spheres that count on this rank, by ascending id.
 std::vector<Row> grains_by_id(const World& world) {
     const OverRanks ranks(world);
@@ -118,22 +126,27 @@ BodyFrame own_frame(const World& world) {
 
     BodyFrame frame;
     frame.time = clock.time();
-    for (const Row row : grains_by_id(world)) {
-        frame.ids.push_back(bodies.column<BodyId>()[row]);
-        frame.positions.push_back(bodies.column<Position>()[row]);
-        frame.radii.push_back(static_cast<float>(bodies.column<BoundingRadius>()[row]));
+    const std::vector<Row> grains = grains_by_id(world);
+    const auto id = bodies.column<BodyId>();
+    const auto position = bodies.column<Position>(), spin = bodies.column<AngularVelocity>();
+    const auto radius = bodies.column<BoundingRadius>();
+    for (const Row row : grains) {
+        frame.ids.push_back(id[row]);
+        frame.positions.push_back(position[row]);
+        frame.radii.push_back(static_cast<float>(radius[row]));
         append_vector(frame.velocities, velocity[row] + 0.5 * clock.dt * acceleration[row]);
-        append_vector(frame.angular_velocities, bodies.column<AngularVelocity>()[row]);
+        append_vector(frame.angular_velocities, spin[row]);
         frame.coordination.push_back(coordination[row]);
-        if (bodies.has<ShapeOf>()) frame.shapes.push_back(bodies.column<ShapeOf>()[row]);
-        if (!bodies.has<Orientation>()) continue;
-        const Quat& q = bodies.column<Orientation>()[row];
-        for (const double part : {q.w(), q.x(), q.y(), q.z()})
-            frame.orientations.push_back(static_cast<float>(part));
     }
-    add_facet_corners(world, frame.corners);
-    add_membrane_corners(world, frame.corners);
-    add_sleeve_corners(world, frame.corners);
+    if (bodies.has<ShapeOf>())
+        for (const auto shape = bodies.column<ShapeOf>(); const Row row : grains)
+            frame.shapes.push_back(shape[row]);
+    if (bodies.has<Orientation>())
+        for (const auto turned = bodies.column<Orientation>(); const Row row : grains)
+            for (const double part :
+                 {turned[row].w(), turned[row].x(), turned[row].y(), turned[row].z()})
+                frame.orientations.push_back(static_cast<float>(part));
+    frame.corners = corners_of(world);
     return frame;
 }
 
@@ -171,13 +184,16 @@ BodyFrame frame_of_bodies(const World& world) {
     return frame;
 }
 
-View view_of_bodies(const World& world, const BodyFrame& frame,
-                    const std::function<Colour(std::size_t index)>& colour) {
+namespace {
+
+/// The spheres of the bodies that have a colour, by row, and the outlines of quads.
+View view_of(const World& world, const std::vector<std::optional<Colour>>& colours,
+             std::span<const Vec3> corners) {
     const Table& bodies = world.table<Bodies>();
     const RowIndex row_of(bodies.column<BodyId>());
-    std::vector<std::optional<Colour>> colours(bodies.size()); // by row
-    for (std::size_t index = 0; index < frame.ids.size(); ++index)
-        colours[row_of[static_cast<EntityId>(frame.ids[index])]] = colour(index);
+    const auto position = bodies.column<Position>();
+    const Quat* orientation =
+        bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
     const auto parent = world.column<Spheres, ParentId>();
     const auto ball = world.column<Spheres, LocalBall>();
     View view;
@@ -185,23 +201,38 @@ View view_of_bodies(const World& world, const BodyFrame& frame,
         const Row row = row_of[parent[s]];
         if (!colours[row]) continue;
         Vec3 centre = ball[s].centre;
-        if (bodies.has<Orientation>()) centre = bodies.column<Orientation>()[row] * centre;
-        view.balls.push_back(
-            {bodies.column<Position>()[row] + centre, ball[s].radius, *colours[row]});
+        if (orientation != nullptr) centre = orientation[row] * centre;
+        view.balls.push_back({position[row] + centre, ball[s].radius, *colours[row]});
     }
-    for (std::size_t q = 0; q < frame.quads(); ++q)
-        view.quads.push_back({frame.corners[4 * q], frame.corners[4 * q + 1],
-                              frame.corners[4 * q + 2], frame.corners[4 * q + 3]});
+    for (auto c = corners.begin(); c != corners.end(); c += 4)
+        view.quads.push_back({c[0], c[1], c[2], c[3]});
     return view;
 }
 
+} // namespace
+
+View view_of_bodies(const World& world, const BodyFrame& frame,
+                    const std::function<Colour(std::size_t index)>& colour) {
+    const RowIndex row_of(world.column<Bodies, BodyId>());
+    std::vector<std::optional<Colour>> colours(world.table<Bodies>().size());
+    for (std::size_t index = 0; index < frame.ids.size(); ++index)
+        colours[row_of[static_cast<EntityId>(frame.ids[index])]] = colour(index);
+    return view_of(world, colours, frame.corners);
+}
+
+View view_of_grains(const World& world,
+                    const std::function<std::optional<Colour>(Row row)>& colour) {
+    std::vector<std::optional<Colour>> colours(world.table<Bodies>().size());
+    if (OverRanks(world).is_divided() || Ranks::is_first())
+        for (const Row row : grains_by_id(world)) colours[row] = colour(row);
+    return view_of(world, colours, corners_of(world));
+}
+
 View view_by_coordination(const World& world, double most) {
-    const BodyFrame frame = own_frame(world);
-    View view = view_of_bodies(world, frame, [&](std::size_t index) {
-        return scale_colour(std::min(1.0, static_cast<double>(frame.coordination[index]) / most));
+    const std::vector<float> coordination = coordination_of(world);
+    return view_of_grains(world, [&](Row row) {
+        return scale_colour(std::min(1.0, static_cast<double>(coordination[row]) / most));
     });
-    if (!OverRanks(world).is_divided() && !Ranks::is_first()) view.balls.clear();
-    return view;
 }
 
 void gather(View& view) { Ranks::gather(view.balls); }

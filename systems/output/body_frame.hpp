@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace bris {
@@ -36,7 +37,11 @@ BodyFrame frame_of_bodies(const World& world);
 View view_of_bodies(const World& world, const BodyFrame& frame,
                     const std::function<Colour(std::size_t index)>& colour);
 
-/// The bodies of the world that count on this rank, coloured by coordination number, from blue (0)
+/// The bodies with spheres that count on this rank, in the colours of their rows (nullopt: not
+/// drawn), with the outlines of all facets.
+View view_of_grains(const World& world,
+                    const std::function<std::optional<Colour>(Row row)>& colour);
+/// The same, coloured by coordination number, from blue (0)
 /// to yellow (`most` and more).
 View view_by_coordination(const World& world, double most = 8);
 /// Gives the first rank what the views of all ranks show; the others then show no bodies.

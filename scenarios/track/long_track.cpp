@@ -1,0 +1,143 @@
+#include "scenarios/track/long_track.hpp"
+
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "components/slab.hpp"
+#include "engine/errors.hpp"
+#include "engine/memory.hpp"
+#include "engine/ranks.hpp"
+#include "scenarios/ballast_box/start_box.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/start.hpp"
+#include "scenarios/track/lay_bays.hpp"
+#include "scenarios/track/rail_over_bays.hpp"
+#include "systems/contact/stable_step.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+namespace bris {
+
+namespace {
+
+constexpr auto bay_name = "bay";
+
+/// Whether a run was interrupted before its bay was made.
+bool ends_in_bay(const std::filesystem::path& resume) {
+    const auto file = fmt::format("{}.ckpt.h5", bay_name);
+    return std::filesystem::is_directory(resume) ? std::filesystem::exists(resume / file)
+                                                 : resume.filename() == file;
+}
+
+/// In the folder of results, from which the bay's files are removed once it is made.
+void make_bay(Simulation& simulation, const LongTrack& t, const Common& common) {
+    BoxTestRun test(simulation, t.box, common.seed);
+    const std::vector<std::string_view> after_bed{"bays",
+                                                  "train",
+                                                  "speed_m_per_s",
+                                                  "duration_s",
+                                                  "pad_stiffness_N_per_m",
+                                                  "restitution",
+                                                  "step_fraction",
+                                                  "rail_bending_N_m2",
+                                                  "tie_support_N_per_m"};
+    Run run(simulation, common, bay_name);
+    const BoxBed bed(simulation, common, after_bed);
+    bed.begin(run, simulation, t.box, after_bed);
+    std::vector<Phase> phases = test.making_of_bed();
+    phases.push_back(test.seat());
+    phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
+    run.go(phases);
+    if (!Ranks::is_first()) return;
+    for (const char* file : {"bed.ckpt.h5", "bay.ckpt.h5"}) // whoever wants them asks the store
+        std::filesystem::remove(common.out / file);
+}
+
+/// Each rank makes the bays of its part and one more on either side.
+OwnBays own_bays(unsigned bays) {
+    const unsigned ranks = Ranks::size(), rank = Ranks::rank();
+    const unsigned first = bays * rank / ranks, last = bays * (rank + 1) / ranks;
+    return {rank > 0 ? first - 1 : 0, rank + 1 < ranks ? last + 1 : bays};
+}
+
+SlabPlan plan_of(const World& world, unsigned bays) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const Limits& limits = world.resource<Limits>();
+    SlabPlan plan{.axis = 0, .low = limits.low, .high = limits.high, .cuts = {-infinity}};
+    for (unsigned rank = 1; rank < Ranks::size(); ++rank)
+        plan.cuts.push_back(tie_spacing * (bays * rank / Ranks::size()));
+    plan.cuts.push_back(infinity);
+    return plan;
+}
+
+/// Makes the track of a bay, and divides it.
+void lay_track(Simulation& simulation, const LongTrack& t) {
+    World& world = simulation.world();
+    const std::size_t most =
+        nobody / std::max(world.table<Spheres>().size(), world.table<Bodies>().size());
+    require(t.bays <= most,
+            fmt::format("--bays: expected at most {}, whose spheres have ids of 32 bits, found {}",
+                        most, t.bays));
+    const EntityId once = add_ties_on_springs(world, t.rails(), t.bays);
+    lay_bays(world, t.bays, own_bays(t.bays), once);
+    lay_rail(world, t.rails(), once);
+    auto& limits = world.resource<Limits>();
+    const double beyond = tie_spacing * static_cast<double>(t.rails().ties_on_each_side() + 1);
+    limits.low.x() -= beyond;
+    limits.high.x() += beyond;
+    if (Ranks::size() > 1) world.add_resource(plan_of(world, t.bays));
+    simulation.prepare();
+    divide_among_ranks(simulation);
+}
+
+} // namespace
+
+bool resumes_track(const Common& common) {
+    return !common.resume.empty() && !ends_in_bay(common.resume);
+}
+
+Simulation make_track(const LongTrack& t, const Common& common) {
+    require(t.bays >= Ranks::size(), fmt::format("--ranks: expected at most one for each of the {} "
+                                                 "bays, found {}",
+                                                 t.bays, Ranks::size()));
+    Simulation simulation = make_undivided_box(t.box, common);
+    std::size_t rocks = 0;
+    for (const auto& course : simulation.world().resource<BoxBodies>().rocks)
+        rocks += course.size();
+    const double all = static_cast<double>(rocks) * t.bays;
+    require_memory("bays", t.bays, bytes_of_rocks(all / Ranks::size(), 30), common.memory_limit);
+    if (!resumes_track(common) && !common.explain) {
+        make_bay(simulation, t, common);
+    } else { // the checkpoint has the State of all bodies, and a rail lies on ties that are free
+        World& world = simulation.world();
+        for (const EntityId tie : world.resource<BoxBodies>().ties)
+            value_of<MotionOf>(world, tie) = static_cast<std::uint32_t>(Motion::free);
+    }
+    lay_track(simulation, t);
+    return simulation;
+}
+
+/// The train comes, once the contacts between the bays are known, from which the step follows.
+void begin_passage(Simulation& simulation, const LongTrack& t) {
+    simulation.divide_now();
+    simulation.advance_unseen(1);
+    simulation.observe();
+    const double stable = stable_step(simulation.observed());
+    World& world = simulation.divide_now();
+    set_materials(world);
+    world.resource<Clock>().change_step(t.box.step_fraction * stable);
+    begin_train(world, train_named(t.train), t.speed);
+    start_recording(world);
+}
+
+double duration_of(const LongTrack& t, const World& world) {
+    return t.duration > 0 ? t.duration : time_on_rail(world, train_named(t.train), t.speed);
+}
+
+} // namespace bris

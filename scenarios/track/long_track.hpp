@@ -1,0 +1,73 @@
+#pragma once
+
+#include "engine/scenario.hpp"
+#include "engine/simulation.hpp"
+#include "scenarios/ballast_box/box_run.hpp"
+#include "scenarios/ballast_box/rail.hpp"
+#include "scenarios/ballast_box/train.hpp"
+
+#include <string>
+
+namespace bris {
+
+/// Settings of a track of bays of ballast side by side, over which a train passes.
+struct LongTrack {
+    BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42};
+    unsigned bays = 3;
+    std::string train = "passenger";
+    double speed = 31.3, duration = 0, pad_stiffness = 120e6;
+
+    void declare_options(auto& option);
+    /// Of the ties on springs beyond the ballast.
+    RailOnTies rails() const {
+        constexpr double usual_bed = 80e6; // N/m, of clean beds of this model
+        return {.bending = box.rail_bending,
+                .tie_support =
+                    box.tie_support > 0 ? box.tie_support : in_series(pad_stiffness, usual_bed),
+                .spacing = tie_spacing,
+                .tie_weight = weight_of_tie,
+                .pad = pad_stiffness};
+    }
+};
+
+/// The track with its rail: its bay is taken from the store or made, and each rank makes and
+/// divides its own part. For a run that is resumed, of a bay that was never settled. Throws
+/// InputError, SimulationError, OutputError, Interrupted.
+Simulation make_track(const LongTrack& track, const Common& common);
+
+/// Whether a run goes on with the track; an interrupted one may not yet have had its bay.
+bool resumes_track(const Common& common);
+
+/// The train comes, and the sensor rocks begin to record.
+void begin_passage(Simulation& simulation, const LongTrack& track);
+
+/// s, simulated time from there on: as given, or until the last axle has left the rail.
+double duration_of(const LongTrack& track, const World& world);
+
+void LongTrack::declare_options(auto& option) {
+    option.group("Track");
+    option("bays", bays, "",
+           "Bays of ballast, each with a tie and 0.61 m of track: copies of one bay, every "
+           "second one its mirror image.",
+           within(1, 20000).usually(1, 2000));
+    option("pad_stiffness", pad_stiffness, "N/m",
+           "Stiffness of the pads between the rails and a tie, those of both rails together.",
+           within(1e6, 1e10).usually(5e7, 5e8));
+    box.declare_track_options(option);
+    option.group("Train");
+    option("train", train, "",
+           "Train: passenger, freight, inspection, locomotive (assets/trains), or the path of "
+           "a CSV file with the columns position_m and axle_load_kN.");
+    option("speed", speed, "m/s", "Speed of the train.", within(0.1, 120));
+    option("duration", duration, "s",
+           "Simulated time from the first axle on the rail on, which begins 20 ties before the "
+           "ballast. 0: until the last axle has left it.",
+           within(0, 1e4));
+    option.group("Ballast");
+    option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));
+    box.declare_ballast_options(option);
+    option.group("Simulation");
+    box.declare_simulation_options(option);
+}
+
+} // namespace bris
