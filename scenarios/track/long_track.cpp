@@ -39,6 +39,7 @@ bool ends_in_bay(const std::filesystem::path& resume) {
 void make_bay(Simulation& simulation, const LongTrack& t, const Common& common) {
     BoxTestRun test(simulation, t.box, common.seed);
     const std::vector<std::string_view> after_bed{"bays",
+                                                  "passages",
                                                   "train",
                                                   "speed_m_per_s",
                                                   "duration_s",
@@ -123,8 +124,7 @@ Simulation make_track(const LongTrack& t, const Common& common) {
     return simulation;
 }
 
-/// The train comes, once the contacts between the bays are known, from which the step follows.
-void begin_passage(Simulation& simulation, const LongTrack& t) {
+void find_step(Simulation& simulation, const LongTrack& t) {
     simulation.divide_now();
     simulation.advance_unseen(1);
     simulation.observe();
@@ -132,6 +132,10 @@ void begin_passage(Simulation& simulation, const LongTrack& t) {
     World& world = simulation.divide_now();
     set_materials(world);
     world.resource<Clock>().change_step(t.box.step_fraction * stable);
+}
+
+void begin_passage(Simulation& simulation, const LongTrack& t) {
+    World& world = simulation.divide_now();
     begin_train(world, train_named(t.train), t.speed);
     start_recording(world);
 }

@@ -13,7 +13,7 @@ namespace bris {
 /// Settings of a track of bays of ballast side by side, over which a train passes.
 struct LongTrack {
     BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42};
-    unsigned bays = 3;
+    unsigned bays = 3, passages = 1;
     std::string train = "passenger";
     double speed = 31.3, duration = 0, pad_stiffness = 120e6;
 
@@ -38,10 +38,13 @@ Simulation make_track(const LongTrack& track, const Common& common);
 /// Whether a run goes on with the track; an interrupted one may not yet have had its bay.
 bool resumes_track(const Common& common);
 
+/// Runs a step, in which the contacts between the bays are found, from which the time step of the
+/// passages follows.
+void find_step(Simulation& simulation, const LongTrack& track);
 /// The train comes, and the sensor rocks begin to record.
 void begin_passage(Simulation& simulation, const LongTrack& track);
 
-/// s, simulated time from there on: as given, or until the last axle has left the rail.
+/// s, simulated time of each passage: as given, or until the last axle has left the rail.
 double duration_of(const LongTrack& track, const World& world);
 
 void LongTrack::declare_options(auto& option) {
@@ -59,9 +62,12 @@ void LongTrack::declare_options(auto& option) {
            "Train: passenger, freight, inspection, locomotive (assets/trains), or the path of "
            "a CSV file with the columns position_m and axle_load_kN.");
     option("speed", speed, "m/s", "Speed of the train.", within(0.1, 120));
+    option("passages", passages, "",
+           "Passages of the train one after the other; the first one on a new bed settles it.",
+           within(1, 1000));
     option("duration", duration, "s",
-           "Simulated time from the first axle on the rail on, which begins 20 ties before the "
-           "ballast. 0: until the last axle has left it.",
+           "Simulated time of a passage, from the first axle on the rail on, which begins 20 ties "
+           "before the ballast. 0: until the last axle has left it.",
            within(0, 1e4));
     option.group("Ballast");
     option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));

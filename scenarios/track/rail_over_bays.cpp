@@ -83,6 +83,8 @@ void lay_rail(World& world, const RailOnTies& rails, EntityId first) {
 void begin_train(World& world, const Train& train, double speed) {
     Rail& rail = world.resource<Rails>().list.front();
     const double now = world.resource<Clock>().time();
+    rail.axle_positions.clear();
+    rail.axle_loads.clear();
     for (const Axle& axle : train.axles) {
         rail.axle_positions.push_back(rail.seats.front().along - axle.behind - speed * now);
         rail.axle_loads.push_back(share * axle.load);

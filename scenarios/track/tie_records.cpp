@@ -14,7 +14,8 @@ namespace bris {
 
 namespace {
 
-constexpr auto path = "track/ties", began_path = "track/began";
+constexpr auto ties_path = "track/ties", passages_path = "track/passages",
+               began_path = "track/began";
 
 /// Numbers of a record, in the order in which they are saved.
 auto numbers_of(auto& tie) {
@@ -22,10 +23,33 @@ auto numbers_of(auto& tie) {
                       &tie.settlement, &tie.load, &tie.support};
 }
 
+void put(Archive& archive, const char* path, const std::vector<TieRecord>& records) {
+    std::vector<double> numbers;
+    for (TieRecord record : records)
+        for (const double* number : numbers_of(record)) numbers.push_back(*number);
+    archive.put(path, std::span<const double>(numbers));
+}
+
+std::vector<TieRecord> records_in(const Archive& archive, const char* path) {
+    const auto numbers = archive.get<double>(path);
+    std::vector<TieRecord> records;
+    for (auto next = numbers.begin(); next != numbers.end();)
+        for (double* number : numbers_of(records.emplace_back())) *number = *next++;
+    return records;
+}
+
+/// Raises each number to that of another record.
+void raise(TieRecord& to, TieRecord by) {
+    const auto numbers = numbers_of(to), others = numbers_of(by);
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+        *numbers[k] = std::max(*numbers[k], *others[k]);
+}
+
 } // namespace
 
 void TieRecords::begin(const World& world) {
-    began_ = world.resource<Clock>().time();
+    if (passages_.empty()) began_ = world.resource<Clock>().time();
+    passages_.emplace_back();
     const auto position = world.column<Bodies, Position>();
     const RowIndex row_of(world.column<Bodies, BodyId>());
     ties_.clear();
@@ -40,6 +64,7 @@ void TieRecords::note(const World& world) {
     const RowIndex row_of(world.column<Bodies, BodyId>());
     const OuterForces outer(world);
     const auto& ids = world.resource<BoxBodies>().ties;
+    TieRecord& largest = passages_.back();
     for (std::size_t k = 0; k < ids.size(); ++k) {
         const Row row = row_of[ids[k]];
         TieRecord& tie = ties_[k];
@@ -48,33 +73,22 @@ void TieRecords::note(const World& world) {
         tie.deflection = std::max(tie.deflection, tie.now);
         tie.load = std::max(tie.load, -of_rail[row].force.z());
         tie.support = std::max(tie.support, tie.support_now);
+        raise(largest, tie);
     }
-}
-
-TieRecord TieRecords::largest() const {
-    TieRecord largest = ties_.front();
-    for (TieRecord tie : ties_) {
-        const auto to = numbers_of(largest), from = numbers_of(tie);
-        for (std::size_t k = 0; k < to.size(); ++k) *to[k] = std::max(*to[k], *from[k]);
-    }
-    return largest;
+    // what remains in the end is not the largest of the time
+    largest.settlement = std::ranges::max(ties_, {}, &TieRecord::settlement).settlement;
 }
 
 void TieRecords::save(Archive& archive) const {
-    std::vector<double> numbers;
-    for (const TieRecord& tie : ties_)
-        for (const double* number : numbers_of(tie)) numbers.push_back(*number);
-    archive.put(path, std::span<const double>(numbers));
+    put(archive, ties_path, ties_);
+    put(archive, passages_path, passages_);
     archive.put(began_path, std::span<const double>(&began_, 1));
 }
 
 void TieRecords::load(const Archive& archive) {
-    const auto numbers = archive.get<double>(path);
+    ties_ = records_in(archive, ties_path);
+    passages_ = records_in(archive, passages_path);
     began_ = archive.get<double>(began_path).at(0);
-    ties_.assign(numbers.size() / numbers_of(ties_.emplace_back()).size(), {});
-    auto next = numbers.begin();
-    for (TieRecord& tie : ties_)
-        for (double* number : numbers_of(tie)) *number = *next++;
 }
 
 } // namespace bris
