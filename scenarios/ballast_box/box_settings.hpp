@@ -172,6 +172,7 @@ void BallastBox::declare_options(auto& option) {
            within(0, 40));
     option.group("Simulation");
     declare_simulation_options(option);
+    written.declare_options(option, write_of_clumps);
 }
 
 void BallastBox::declare_ballast_options(auto& option) {
@@ -222,10 +223,12 @@ void BallastBox::declare_track_options(auto& option) {
            "Ratio of critical damping of the subgrade's plates.", within(0, 2));
     option("rail_bending", rail_bending, "N m2", "Bending stiffness E I of both rails together.",
            within(1e4, 1e9));
-    option("tie_support", tie_support, "N/m",
-           "Support of the ties by pad, bed and subgrade in series, when the rails distribute the "
-           "loads. 0, in track_passage only: its pads, and the bed as the train before found it.",
-           within(0, 1e10).usually(1e6, 1e9));
+    option(
+        "tie_support", tie_support, "N/m",
+        "Support of the ties by pad, bed and subgrade in series, when the rails distribute the "
+        "loads. 0, in track_passage and long_track only: its pads, and a bed of 80 MN/m or as the "
+        "train before found it.",
+        within(0, 1e10).usually(1e6, 1e9));
     option("bladder_pressure", bladder_pressure, "Pa",
            "Pressure in the bladder next to the shoulder while it is inflated.", within(0, 1e6));
     option("tie_level", tie_level, "m",
@@ -245,7 +248,6 @@ void BallastBox::declare_simulation_options(auto& option) {
            {"ideal", "lab-grade", "smartrock-like", "cheap"});
     option("sampling_rate", sampling_rate, "Hz", "Sampling rate of the inertial sensors.",
            within(10, 5000));
-    written.declare_options(option, write_of_clumps);
 }
 
 } // namespace bris

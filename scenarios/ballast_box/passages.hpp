@@ -112,6 +112,7 @@ void TrackPassage::declare_options(auto& option) {
     box.declare_track_options(option);
     option.group("Simulation");
     box.declare_simulation_options(option);
+    box.written.declare_options(option, write_of_clumps);
 }
 
 } // namespace bris
