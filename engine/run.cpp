@@ -98,11 +98,13 @@ Progress make_progress(const Common& common) {
 
 Run::Run(Simulation& simulation, const Common& common, const std::string& name,
          ReportProgress report)
-    : simulation_(simulation), common_(common), name_(name), report_(std::move(report)) {}
+    : simulation_(simulation), common_(common), name_(name), report_(std::move(report)),
+      count_before_(simulation.count()) {}
 
 Run::Run(Simulation& simulation, const Common& common, const std::string& name)
     : simulation_(simulation), common_(common), name_(name),
-      progress_(new Progress(make_progress(common))), report_(progress_slot(*progress_)) {}
+      progress_(new Progress(make_progress(common))), report_(progress_slot(*progress_)),
+      count_before_(simulation.count()) {}
 
 void Run::resume(const std::filesystem::path& path,
                  const std::vector<std::string_view>& may_differ) {
@@ -188,13 +190,18 @@ std::filesystem::path Run::file(const std::string& name, const std::string& exte
                               : name + extension);
 }
 
+StepCount Run::count() const {
+    const StepCount& all = simulation_.count();
+    return {all.steps - count_before_.steps, all.wall_time - count_before_.wall_time};
+}
+
 void Run::add_to_summary(Summary& summary) const {
     summary.add("steps", steps_in_phase());
     summary.add("wall_time_s", seconds_since(began_));
-    const StepCount& count = simulation_.count();
-    summary.add("stepping_time_s", count.wall_time);
+    const StepCount run = count();
+    summary.add("stepping_time_s", run.wall_time);
     summary.add("time_per_step_s",
-                count.wall_time / static_cast<double>(std::max<std::uint64_t>(1, count.steps)));
+                run.wall_time / static_cast<double>(std::max<std::uint64_t>(1, run.steps)));
     summary.add("memory_largest_MiB", static_cast<double>(largest_memory()) * 0x1p-20);
     summary.add("fingerprint", hexadecimal(fingerprint(simulation_.state())));
 }

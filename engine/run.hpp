@@ -126,6 +126,9 @@ public:
     /// after resuming it is NAME_from_N.EXT, where N is the step within the phase.
     std::filesystem::path file(const std::string& name, const std::string& extension) const;
 
+    /// Steps of this run in this process.
+    StepCount count() const;
+
     /// Adds the results that every run has: steps of the last phase, wall times, and the
     /// fingerprint of the State.
     void add_to_summary(Summary& summary) const;
@@ -155,6 +158,7 @@ private:
     Position position_;
     bool resumed_ = false;
     Instant began_ = this_instant();
+    StepCount count_before_; ///< of the simulation, when the run began
 };
 
 } // namespace bris

@@ -80,6 +80,7 @@ struct Forecast {
         option("width", box.width, "m", "Width of the slice along the track.", within(0.1, 0.61));
         option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks.", within(1, 4));
         box.declare_ballast_options(option);
+        box.fouling.declare_options(option);
         option.group("Track");
         box.declare_track_options(option);
         option.group("Simulation");

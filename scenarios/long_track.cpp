@@ -46,7 +46,8 @@ struct TrackSample {
     }
 };
 
-constexpr double sample_interval = 5e-3; // s
+/// s: an axle moves a quarter of the distance of two ties at most.
+double sample_interval(double speed) { return std::min(5e-3, tie_spacing / (4 * speed)); }
 
 void add_recordings(Report& summary, const World& world, const Common& common) {
     const std::vector<Recording> recordings = recordings_of(world);
@@ -55,15 +56,12 @@ void add_recordings(Report& summary, const World& world, const Common& common) {
         const Vibration vertical = vibration_of(recordings[k], VibrationQuantity::vertical, 0.1);
         if (vertical.impossible_because.empty())
             summary.add(fmt::format("vertical_rms_{}_m_per_s2", sensors[k].name), vertical.rms);
-        if (Ranks::is_first())
-            write_sensor_info(common.out / fmt::format("rock_{:02}.txt", k + 1),
-                              recordings[k].info);
+        write_sensor_info(common.out / fmt::format("rock_{:02}.txt", k + 1), recordings[k].info);
     }
-    if (Ranks::is_first())
-        write_recordings(common.out / "recordings.csv", recordings,
-                         {"Recorded by the sensor rocks of the middle bay of a track in the last "
-                          "passage; the pose in "
-                          "rock_NN.txt is that at the end of the run"});
+    write_recordings(common.out / "recordings.csv", recordings,
+                     {"Recorded by the sensor rocks of the middle bay of a track in the last "
+                      "passage; the pose in "
+                      "rock_NN.txt is that at the end of the run"});
 }
 
 /// The rocks, ties and plates of some bays around the middle; sensor rocks in red.
@@ -128,13 +126,13 @@ Report summary_of(const LongTrack& t, Simulation& simulation, const TieRecords& 
     const World& world = simulation.observed();
     std::size_t rocks = 0;
     for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
-    const StepCount& count = simulation.count();
     Report summary;
     summary.add("bays", t.bays);
     summary.add("rocks", rocks);
     summary.add("track_length_m", t.bays * tie_spacing);
     summary.add("time_step_s", world.resource<Clock>().dt);
     summary.add("stable_step_s", last.stable_step());
+    const StepCount count = run.count();
     summary.add("rock_steps_per_s", static_cast<double>(count.steps * rocks) / count.wall_time);
     if (Ranks::size() > 1) summary.add("share_of_ghosts", share_of_ghosts(world));
     summary.add("rebuilds", world.resource<ListState>().rebuilds);
@@ -177,6 +175,7 @@ struct Outcome {
 
 Outcome simulate(const LongTrack& t, const Common& common) {
     Outcome found;
+    const bool resumes = resumes_track(common); // before the bay's files are gone
     Simulation simulation = make_track(t, common);
     LastQuantities last(simulation);
     TieRecords& ties = found.ties;
@@ -184,7 +183,7 @@ Outcome simulate(const LongTrack& t, const Common& common) {
     run.keep(found.samples);
     run.keep(last);
     run.keep(ties);
-    if (resumes_track(common))
+    if (resumes)
         run.resume(common.resume, {"duration_s", "passages"});
     else
         find_step(simulation, t);
@@ -212,18 +211,18 @@ Outcome simulate(const LongTrack& t, const Common& common) {
     };
     std::vector<Phase> phases;
     for (unsigned number = 1; number <= t.passages; ++number)
-        phases.push_back(
-            run.timed({.name = fmt::format("passage {}", number),
-                       .steps = steps,
-                       .sample_every = std::max<std::uint64_t>(
-                           1, static_cast<std::uint64_t>(std::llround(sample_interval / dt))),
-                       .sample = sample,
-                       .begin =
-                           [&](Simulation& s) {
-                               begin_passage(s, t);
-                               ties.begin(s.observed());
-                           },
-                       .looks = false}));
+        phases.push_back(run.timed(
+            {.name = fmt::format("passage {}", number),
+             .steps = steps,
+             .sample_every = std::max<std::uint64_t>(
+                 1, static_cast<std::uint64_t>(std::llround(sample_interval(t.speed) / dt))),
+             .sample = sample,
+             .begin =
+                 [&](Simulation& s) {
+                     begin_passage(s, t);
+                     ties.begin(s.observed());
+                 },
+             .looks = false}));
     run.go(phases);
     const World& world = simulation.observed();
     found.summary = summary_of(t, simulation, ties, last, run, common);

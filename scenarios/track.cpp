@@ -101,6 +101,7 @@ struct TrackRun {
         option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.3.",
                within(0, 4));
         box.declare_ballast_options(option);
+        box.fouling.declare_options(option);
     }
 
     CoupledTrack coupled() const {

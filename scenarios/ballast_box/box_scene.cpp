@@ -189,7 +189,6 @@ void plan_rocks(const BallastBox& box, const BoxSizes& s, BoxBodies& bodies, Ent
         bodies.rocks[course].push_back(first++);
         bodies.planned[course].push_back(planned);
         filled += rock.volume;
-        bodies.solid_volume += rock.volume;
     }
 }
 

@@ -46,7 +46,6 @@ struct BoxBodies {
                   shell = 0;       ///< materials of rocks and, in a bay another, of sensor rocks
     std::vector<Material> hard;    ///< materials at full stiffness
     double wet_friction = 1;       ///< factor on the friction of wet stones
-    double solid_volume = 0;       ///< m3, of all rocks
     double truncated_fraction = 0; ///< mass fraction of the grading that is left out
 };
 

@@ -157,6 +157,7 @@ void BallastBox::declare_options(auto& option) {
            "the full one.",
            within(0, 4));
     declare_ballast_options(option);
+    fouling.declare_options(option);
     declare_fines_option(option);
     option.group("Track");
     declare_track_options(option);
@@ -203,7 +204,6 @@ void BallastBox::declare_ballast_options(auto& option) {
     option("fill_softness", fill_softness, "",
            "Factor on the stiffness of rocks while the ballast is poured and compacted.",
            within(1e-3, 1));
-    fouling.declare_options(option);
 }
 
 void BallastBox::declare_fines_option(auto& option) {

@@ -101,6 +101,7 @@ void TrackPassage::declare_options(auto& option) {
            {"I.2", "I.4", "II.2", "II.3", "II.4"});
     option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));
     box.declare_ballast_options(option);
+    box.fouling.declare_options(option);
     option("sensor_density", box.sensor_density, "kg/m3",
            "Density of the sensor rocks in the finished bed; 0: that of the rocks.",
            within(0, 1e6).usually(100, 1e4));

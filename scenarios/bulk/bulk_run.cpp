@@ -172,7 +172,7 @@ void BulkRun::open_frames() {
 bool BulkRun::at_sample(std::uint64_t step) {
     const std::uint64_t per_frame =
         std::max<std::uint64_t>(1, total_ / sample_every_ / settings_.frames) * sample_every_;
-    if (case_.edit)
+    if (case_.edit || settings_.written.extras().contacts)
         simulation_.look();
     else
         simulation_.observe();

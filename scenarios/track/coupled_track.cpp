@@ -40,6 +40,7 @@ Common of_box(const BallastBox& box, Common own) {
     BallastBox described = box;
     Options options;
     described.declare_ballast_options(options);
+    described.fouling.declare_options(options);
     own.settings = options.values();
     own.settings.emplace_back("run", box.run);
     own.settings.emplace_back("fines", box.fines);

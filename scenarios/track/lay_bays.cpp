@@ -217,6 +217,10 @@ private:
         times(world_.table<Facets>(), facet_rows_.size(), 0);
         for_each_kind_of_pair([&]<class Pairs>() {
             if (!world_.has<Pairs>()) return;
+            if (world_.table<Pairs>().template has<Roll>() ||
+                world_.table<Pairs>().template has<Worn>())
+                throw std::logic_error(
+                    "bays of a track: no mirror image of what contacts remember");
             pairs_.push_back(all_rows(world_.table<Pairs>().size()));
             times(world_.table<Pairs>(), 0, pairs_.back().size());
         });
@@ -271,11 +275,6 @@ private:
                 if (std::is_same_v<Pairs, FacetPairs>) names.feature += bay * facets_;
             });
             change<Spring>(pairs, pair, [&](SpringRow& spring) { spring.x *= place.sign; });
-            change<Roll>(pairs, pair, [&](RollRow& roll) {
-                roll.y *= place.sign;
-                roll.z *= place.sign;
-                roll.twist *= place.sign;
-            });
         });
     }
 
@@ -339,7 +338,6 @@ private:
         copy(box.subgrade);
         for (auto& rocks : box.rocks) copy(rocks);
         for (auto& planned : box.planned) planned = {};
-        box.solid_volume *= bays_;
         record_in(bays_ / 2);
     }
 

@@ -15,6 +15,8 @@ struct OwnBays {
 /// with the force with which it met the side. So the track is as much at rest as the bay was. Its
 /// two ends keep the sides.
 ///
+/// Its rocks are the mirror images of their shapes, whose numbers (ShapeOf) they keep.
+///
 /// Bodies, spheres and facets of bay k have the ids of the first bay plus k times as many as that
 /// has. Sensor rocks record in the middle bay only. Bodies without spheres whose numbers are from
 /// `once` on are not copied, nor are the walls; the plates that compacted the lifts are removed.

@@ -31,8 +31,9 @@ constexpr auto bay_name = "bay";
 /// Whether a run was interrupted before its bay was made.
 bool ends_in_bay(const std::filesystem::path& resume) {
     const auto file = fmt::format("{}.ckpt.h5", bay_name);
-    return std::filesystem::is_directory(resume) ? std::filesystem::exists(resume / file)
-                                                 : resume.filename() == file;
+    if (!std::filesystem::is_directory(resume)) return resume.filename() == file;
+    return std::filesystem::exists(resume / file) &&
+           !std::filesystem::exists(resume / "long_track.ckpt.h5");
 }
 
 /// In the folder of results, from which the bay's files are removed once it is made.
@@ -55,8 +56,9 @@ void make_bay(Simulation& simulation, const LongTrack& t, const Common& common) 
     phases.push_back(test.seat());
     phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
     run.go(phases);
-    if (!Ranks::is_first()) return;
-    for (const char* file : {"bed.ckpt.h5", "bay.ckpt.h5"}) // whoever wants them asks the store
+    const bool is_kept = common.resume.empty() && common.beds != "none";
+    if (!Ranks::is_first() || !is_kept) return;
+    for (const char* file : {"bed.ckpt.h5", "bay.ckpt.h5"}) // the store has it
         std::filesystem::remove(common.out / file);
 }
 
@@ -67,10 +69,13 @@ OwnBays own_bays(unsigned bays) {
     return {rank > 0 ? first - 1 : 0, rank + 1 < ranks ? last + 1 : bays};
 }
 
-SlabPlan plan_of(const World& world, unsigned bays) {
+SlabPlan plan_of(const BallastBox& box, unsigned bays) {
+    constexpr double highest = 0.6; // m, of ballast
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    const Limits& limits = world.resource<Limits>();
-    SlabPlan plan{.axis = 0, .low = limits.low, .high = limits.high, .cuts = {-infinity}};
+    SlabPlan plan{.axis = 0,
+                  .low = Vec3::Zero(),
+                  .high = Vec3(tie_spacing * bays, box_sizes(box).across, highest),
+                  .cuts = {-infinity}};
     for (unsigned rank = 1; rank < Ranks::size(); ++rank)
         plan.cuts.push_back(tie_spacing * (bays * rank / Ranks::size()));
     plan.cuts.push_back(infinity);
@@ -92,7 +97,7 @@ void lay_track(Simulation& simulation, const LongTrack& t) {
     const double beyond = tie_spacing * static_cast<double>(t.rails().ties_on_each_side() + 1);
     limits.low.x() -= beyond;
     limits.high.x() += beyond;
-    if (Ranks::size() > 1) world.add_resource(plan_of(world, t.bays));
+    if (Ranks::size() > 1) world.add_resource(plan_of(t.box, t.bays));
     simulation.prepare();
     divide_among_ranks(simulation);
 }
@@ -111,9 +116,12 @@ Simulation make_track(const LongTrack& t, const Common& common) {
     std::size_t rocks = 0;
     for (const auto& course : simulation.world().resource<BoxBodies>().rocks)
         rocks += course.size();
-    const double all = static_cast<double>(rocks) * t.bays;
-    require_memory("bays", t.bays, bytes_of_rocks(all / Ranks::size(), 30), common.memory_limit);
-    if (!resumes_track(common) && !common.explain) {
+    const OwnBays own = own_bays(t.bays);
+    const bool resumes = resumes_track(common); // then all ranks first read the whole
+    const double here = static_cast<double>(rocks) * (own.last - own.first),
+                 read = resumes ? 0.3 * static_cast<double>(rocks) * t.bays : 0;
+    require_memory("bays", t.bays, bytes_of_rocks(here + read, 30), common.memory_limit);
+    if (!resumes && !common.explain) {
         make_bay(simulation, t, common);
     } else { // the checkpoint has the State of all bodies, and a rail lies on ties that are free
         World& world = simulation.world();
@@ -125,13 +133,11 @@ Simulation make_track(const LongTrack& t, const Common& common) {
 }
 
 void find_step(Simulation& simulation, const LongTrack& t) {
-    simulation.divide_now();
+    set_materials(simulation.divide_now()); // those of the passages
     simulation.advance_unseen(1);
     simulation.observe();
     const double stable = stable_step(simulation.observed());
-    World& world = simulation.divide_now();
-    set_materials(world);
-    world.resource<Clock>().change_step(t.box.step_fraction * stable);
+    simulation.divide_now().resource<Clock>().change_step(t.box.step_fraction * stable);
 }
 
 void begin_passage(Simulation& simulation, const LongTrack& t) {

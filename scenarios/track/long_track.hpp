@@ -52,7 +52,7 @@ void LongTrack::declare_options(auto& option) {
     option("bays", bays, "",
            "Bays of ballast, each with a tie and 0.61 m of track: copies of one bay, every "
            "second one its mirror image.",
-           within(1, 20000).usually(1, 2000));
+           within(1, 5000).usually(1, 500));
     option("pad_stiffness", pad_stiffness, "N/m",
            "Stiffness of the pads between the rails and a tie, those of both rails together.",
            within(1e6, 1e10).usually(5e7, 5e8));
@@ -65,10 +65,11 @@ void LongTrack::declare_options(auto& option) {
     option("passages", passages, "",
            "Passages of the train one after the other; the first one on a new bed settles it.",
            within(1, 1000));
-    option("duration", duration, "s",
-           "Simulated time of a passage, from the first axle on the rail on, which begins 20 ties "
-           "before the ballast. 0: until the last axle has left it.",
-           within(0, 1e4));
+    option(
+        "duration", duration, "s",
+        "Simulated time of a passage, from the first axle on the rail on, which begins some 11 m "
+        "before the ballast. 0: until the last axle has left it.",
+        within(0, 1e4));
     option.group("Ballast");
     option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));
     box.declare_ballast_options(option);

@@ -105,6 +105,16 @@ for name, words in others.items():
             assert filecmp.cmp(alone / file, out / file, shallow=False), f"{name}: {file} on {ranks} ranks"
     print(f"{name}: the same bits on 1, 2 and 3 ranks, also of {', '.join(files)}")
 
+# a track that is interrupted while its bay is made goes on from its folder
+out = folder / "interrupted_bay"
+track = [str(word) for word in (pathlib.Path(settle).with_name("long_track"), *others["long_track"], "--threads", "1", "--quiet", "--out", out)]
+begun = subprocess.Popen(track, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+time.sleep(2)
+begun.send_signal(signal.SIGINT)
+assert begun.wait(60) == 130 and (out / "bay.ckpt.h5").exists()
+subprocess.run([*track, "--resume", str(out)], check=True, timeout=300, stdout=subprocess.DEVNULL)
+assert fingerprint(out.name) == fingerprint("long_track_on_1"), "other bits after an interruption"
+
 # slabs too thin for their bodies
 refused = subprocess.run([settle, "--spheres", "100", "--ranks", "4", "--out", str(folder / "thin")], capture_output=True, text=True, timeout=60)
 assert refused.returncode == 2 and "expected at most" in refused.stderr, refused.stderr
