@@ -15,7 +15,7 @@ Eigen::Index node(std::size_t tie) { return 2 * static_cast<Eigen::Index>(tie); 
 
 Eigen::LLT<Eigen::MatrixXd> factor_of(const RailBeam& beam, const std::vector<TieSupport>& supports,
                                       const std::vector<bool>& carried) {
-    Eigen::MatrixXd held = beam.stiffness();
+    Eigen::MatrixXd held(beam.stiffness());
     for (std::size_t i = 0; i < supports.size(); ++i)
         if (carried[i]) held(node(i), node(i)) += supports[i].stiffness;
     return held.llt();

@@ -52,7 +52,7 @@ void LongTrack::declare_options(auto& option) {
     option("bays", bays, "",
            "Bays of ballast, each with a tie and 0.61 m of track: copies of one bay, every "
            "second one its mirror image.",
-           within(1, 5000).usually(1, 500));
+           within(1, 20000).usually(1, 2000));
     option("pad_stiffness", pad_stiffness, "N/m",
            "Stiffness of the pads between the rails and a tie, those of both rails together.",
            within(1e6, 1e10).usually(5e7, 5e8));

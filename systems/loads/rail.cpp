@@ -5,7 +5,6 @@
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -57,9 +56,9 @@ void bend_rails(RailTies bodies, Rails& rails, const Clock& clock) {
         }
         const RailResponse& response = rails.responses[k];
         rails.of_loads[k] = response.of_loads(rail, clock.time());
-        rails.of_retardation[k] = -rail.retardation * (response.stiffness * speed);
+        rails.of_retardation[k] = rail.retardation * response.of_ties(speed);
         const Eigen::VectorXd force =
-            rails.of_loads[k] + rails.of_retardation[k] - response.stiffness * deflection;
+            rails.of_loads[k] + rails.of_retardation[k] + response.of_ties(deflection);
         for (Eigen::Index i = 0; i < n; ++i) {
             const RailSeat& seat = rail.seats[static_cast<std::size_t>(i)];
             const Row b = rails.rows[seat.number];
@@ -117,26 +116,30 @@ void check(const World& world, const Rail& rail) {
 
 } // namespace
 
-RailResponse::RailResponse(const Rail& rail) : beam(beam_of(rail)) {
-    const Eigen::Index n = beam.nodes();
-    Eigen::MatrixXd held = beam.stiffness(), pads = Eigen::MatrixXd::Zero(2 * n, n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-        pads(2 * i, i) = rail.pad;
-        held(2 * i, 2 * i) += rail.pad;
-    }
-    // deflections and slopes of the beam are held^-1 (pads u + f), and the pads exert
-    // pad (deflection - u) on the ties
-    transfer = held.llt().solve(pads).transpose();
-    stiffness = rail.pad * Eigen::MatrixXd::Identity(n, n) - transfer * pads;
+RailResponse::RailResponse(const Rail& rail) : beam_(beam_of(rail)), pad_(rail.pad) {
+    Eigen::SparseMatrix<double> held = beam_.stiffness();
+    for (Eigen::Index i = 0; i < beam_.nodes(); ++i) held.coeffRef(2 * i, 2 * i) += pad_;
+    held_ = std::make_shared<const Factors>(held);
+}
+
+Eigen::VectorXd RailResponse::deflections(const Eigen::VectorXd& at_nodes) const {
+    const Eigen::VectorXd all = held_->solve(at_nodes); // with the slopes
+    return all(Eigen::seqN(0, beam_.nodes(), 2));
 }
 
 Eigen::VectorXd RailResponse::of_loads(const Rail& rail, double time) const {
-    Eigen::VectorXd loads = Eigen::VectorXd::Zero(2 * beam.nodes());
-    beam.add_line_load(-rail.weight, loads);
+    Eigen::VectorXd loads = Eigen::VectorXd::Zero(2 * beam_.nodes());
+    beam_.add_line_load(-rail.weight, loads);
     for (std::size_t axle = 0; axle < rail.axle_loads.size(); ++axle)
-        beam.add_force(rail.axle_positions[axle] + time * rail.axle_speed, -rail.axle_loads[axle],
-                       loads);
-    return transfer * loads;
+        beam_.add_force(rail.axle_positions[axle] + time * rail.axle_speed, -rail.axle_loads[axle],
+                        loads);
+    return pad_ * deflections(loads);
+}
+
+Eigen::VectorXd RailResponse::of_ties(const Eigen::VectorXd& of_ties) const {
+    Eigen::VectorXd pushed = Eigen::VectorXd::Zero(2 * beam_.nodes());
+    pushed(Eigen::seqN(0, beam_.nodes(), 2)) = pad_ * of_ties;
+    return pad_ * (deflections(pushed) - of_ties);
 }
 
 void Rails::prepare() {
@@ -173,9 +176,7 @@ double Rails::energy(const World& world) {
             u[i] = (world.column<Bodies, Position>()[b] + arm).dot(rail.up) - rail.level;
         }
         const bool is_known = k < rails.responses.size(); // not before the first step
-        const Eigen::VectorXd force = is_known ? (rails.responses[k].stiffness * u).eval()
-                                               : (RailResponse(rail).stiffness * u).eval();
-        energy += 0.5 * u.dot(force);
+        energy -= 0.5 * u.dot((is_known ? rails.responses[k] : RailResponse(rail)).of_ties(u));
     }
     return energy;
 }

@@ -3,7 +3,10 @@
 #include "systems/loads/element.hpp"
 #include "systems/loads/rail_beam.hpp"
 
+#include <Eigen/SparseCholesky>
+
 #include <cstdint>
+#include <memory>
 
 namespace bris {
 
@@ -44,15 +47,25 @@ struct Rail {
     }
 };
 
-/// What the deflections u of the seats and the loads of a rail exert on its ties (N, along `up`):
-/// -stiffness (u + retardation du/dt) + transfer f, with the forces and moments f that the loads
-/// exert on beams clamped at both seats.
-struct RailResponse {
-    RailBeam beam;
-    Eigen::MatrixXd stiffness, transfer; ///< n x n, n x 2n
+/// What a rail exerts on its ties (N, along `up`): the beam takes the deflections with which its
+/// own forces, those of the loads and those of the pads are balanced, in a time that grows with the
+/// number of ties.
+class RailResponse {
+public:
     explicit RailResponse(const Rail& rail);
-    /// N, of weight and axles at a time (s).
+    /// N, of weight and axles at a time (s), on ties that stay where they are.
     Eigen::VectorXd of_loads(const Rail& rail, double time) const;
+    /// N, by deflections of the ties (m), without loads; or N/s, by their speeds (m/s).
+    Eigen::VectorXd of_ties(const Eigen::VectorXd& deflections) const;
+
+private:
+    using Factors = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
+    /// m, of the beam above the ties, by forces and moments at its nodes.
+    Eigen::VectorXd deflections(const Eigen::VectorXd& at_nodes) const;
+
+    RailBeam beam_;
+    double pad_;
+    std::shared_ptr<const Factors> held_; ///< by all pads; copies of a world share them
 };
 
 /// 1 + index in Rails::ties; 0: none.

@@ -42,12 +42,17 @@ std::size_t RailBeam::span_of(double x) const {
     return static_cast<std::size_t>(std::ranges::lower_bound(at_, x) - at_.begin()) - 1;
 }
 
-Eigen::MatrixXd RailBeam::stiffness() const {
-    Eigen::MatrixXd k = Eigen::MatrixXd::Zero(2 * nodes(), 2 * nodes());
+Eigen::SparseMatrix<double> RailBeam::stiffness() const {
+    std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t i = 0; i + 1 < at_.size(); ++i) {
-        const auto first = 2 * static_cast<Eigen::Index>(i);
-        k.block<4, 4>(first, first) += stiffness_of_span(bending_, at_[i + 1] - at_[i]);
+        const auto first = static_cast<int>(2 * i);
+        const Eigen::Matrix4d span = stiffness_of_span(bending_, at_[i + 1] - at_[i]);
+        for (int row = 0; row < 4; ++row)
+            for (int column = 0; column < 4; ++column)
+                entries.emplace_back(first + row, first + column, span(row, column));
     }
+    Eigen::SparseMatrix<double> k(2 * nodes(), 2 * nodes());
+    k.setFromTriplets(entries.begin(), entries.end());
     return k;
 }
 

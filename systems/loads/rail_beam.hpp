@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include <vector>
 
@@ -18,7 +19,7 @@ public:
     const std::vector<double>& at() const { return at_; }
     Eigen::Index nodes() const { return static_cast<Eigen::Index>(at_.size()); }
     /// 2 n x 2 n: forces and moments that hold deflections and slopes (N/m, N, N m).
-    Eigen::MatrixXd stiffness() const;
+    Eigen::SparseMatrix<double> stiffness() const;
     /// Adds the forces and moments at the nodes by a force (N) at `x` (m); beyond the ends nothing
     /// acts.
     void add_force(double x, double force, Eigen::VectorXd& at_nodes) const;
