@@ -14,7 +14,7 @@ namespace bris {
 struct LongTrack {
     BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42};
     unsigned bays = 3, passages = 1;
-    std::string train = "passenger";
+    std::string train = "locomotive";
     double speed = 31.3, duration = 0, pad_stiffness = 120e6;
 
     void declare_options(auto& option);
