@@ -207,8 +207,7 @@ void write_sensors(Report& summary, const World& world, const Common& common) {
 void summarise(Report& summary, const World& world, const BallastBox& box,
                const SeriesOf<CycleSample>& samples, const Common& common) {
     const auto first = cycle_responses(samples, 1), other = cycle_responses(samples, 2);
-    std::size_t rocks = 0;
-    for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
+    const std::size_t rocks = world.resource<BoxBodies>().number_of_rocks();
     summary.add("rocks", rocks);
     summary.add("cycles_done", first.size());
     summary.add("peak_load_kN", 1e-3 * box.peak());

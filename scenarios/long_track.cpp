@@ -91,7 +91,7 @@ void draw(const LongTrack& t, const SeriesOf<TrackSample>& samples, const TieRec
         const double x = tie_spacing * (static_cast<double>(k) + 0.5);
         for (Curve* curve : {&deflection, &settlement, &support}) curve->x.push_back(x);
         deflection.y.push_back(1e3 * ties.all()[k].deflection);
-        settlement.y.push_back(1e3 * ties.all()[k].settlement);
+        settlement.y.push_back(1e3 * ties.all()[k].now);
         support.y.push_back(1e-3 * ties.all()[k].support);
     }
     const std::string place = "place along the track (m)";
@@ -114,7 +114,7 @@ void write_ties(const std::filesystem::path& csv, const TieRecords& ties) {
     for (const TieRecord& tie : ties.all())
         rows.push_back({static_cast<double>(rows.size() + 1),
                         tie_spacing * (static_cast<double>(rows.size()) + 0.5), tie.deflection,
-                        tie.settlement, tie.load, tie.support});
+                        tie.now, tie.load, tie.support});
     write_csv(csv,
               {"tie", "x_m", "largest_deflection_m", "settlement_m", "largest_load_of_rail_N",
                "largest_support_N"},
@@ -124,8 +124,7 @@ void write_ties(const std::filesystem::path& csv, const TieRecords& ties) {
 Report summary_of(const LongTrack& t, Simulation& simulation, const TieRecords& ties,
                   LastQuantities& last, const Run& run, const Common& common) {
     const World& world = simulation.observed();
-    std::size_t rocks = 0;
-    for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
+    const std::size_t rocks = world.resource<BoxBodies>().number_of_rocks();
     Report summary;
     summary.add("bays", t.bays);
     summary.add("rocks", rocks);
@@ -141,7 +140,7 @@ Report summary_of(const LongTrack& t, Simulation& simulation, const TieRecords& 
         const TieRecord& largest = ties.passages()[k];
         Report passage;
         passage.add("largest_deflection_mm", 1e3 * largest.deflection);
-        passage.add("largest_settlement_mm", 1e3 * largest.settlement);
+        passage.add("largest_settlement_mm", 1e3 * largest.now);
         passage.add("largest_load_of_rail_kN", 1e-3 * largest.load);
         passage.add("largest_support_kN", 1e-3 * largest.support);
         passage.show({"largest_deflection_mm", "largest_settlement_mm", "largest_support_kN"});
@@ -203,7 +202,7 @@ Outcome simulate(const LongTrack& t, const Common& common) {
                            .passage = static_cast<double>(ties.passages().size()),
                            .deflection = ties.middle().now,
                            .support = ties.middle().support_now,
-                           .largest_deflection = ties.largest().deflection,
+                           .largest_deflection = ties.passages().back().deflection,
                            .unbalanced_ratio = last.quantities().unbalanced_ratio,
                            .kinetic_energy = last.quantities().kinetic_energy,
                            .stable_step = last.stable_step()});

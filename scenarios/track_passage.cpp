@@ -156,8 +156,7 @@ void draw(const SeriesOf<PassageSample>& samples, const World& world,
 void summarise(Report& summary, const TrackPassage& t, const Train& train,
                const SeriesOf<PassageSample>& samples, const World& world,
                const std::vector<Recording>& recordings, LastQuantities& last) {
-    std::size_t rocks = 0;
-    for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
+    const std::size_t rocks = world.resource<BoxBodies>().number_of_rocks();
     summary.add("rocks", rocks);
     summary.add("axles", train.axles.size());
     summary.add("train_length_m", train.length());

@@ -47,6 +47,12 @@ struct BoxBodies {
     std::vector<Material> hard;    ///< materials at full stiffness
     double wet_friction = 1;       ///< factor on the friction of wet stones
     double truncated_fraction = 0; ///< mass fraction of the grading that is left out
+
+    std::size_t number_of_rocks() const {
+        std::size_t number = 0;
+        for (const auto& course : rocks) number += course.size();
+        return number;
+    }
 };
 
 /// How far the test has come; State.

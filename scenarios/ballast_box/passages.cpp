@@ -135,15 +135,17 @@ Phase find_contacts() {
 
 } // namespace
 
-RailOnTies TrackPassage::rails(const World& world) const {
-    constexpr double usual_bed = 80e6; // N/m, of clean beds of this model before any was measured
-    const double measured = world.resource<BoxState>().bed_stiffness,
-                 bed = measured > 0 ? measured : usual_bed;
+RailOnTies rails_on(const BallastBox& box, double pads, double bed) {
     return {.bending = box.rail_bending,
-            .tie_support = box.tie_support > 0 ? box.tie_support : in_series(pad_stiffness, bed),
+            .tie_support = box.tie_support > 0 ? box.tie_support : in_series(pads, bed),
             .spacing = tie_spacing,
             .tie_weight = weight_of_tie,
-            .pad = pad_stiffness};
+            .pad = pads};
+}
+
+RailOnTies TrackPassage::rails(const World& world) const {
+    const double measured = world.resource<BoxState>().bed_stiffness;
+    return rails_on(box, pad_stiffness, measured > 0 ? measured : usual_bed);
 }
 
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,

@@ -11,6 +11,12 @@
 
 namespace bris {
 
+/// N/m, of a whole tie, of clean beds of the model `bay` of which none was measured.
+inline constexpr double usual_bed = 80e6;
+/// The rails of a track on pads and beds of these stiffnesses (N/m, of a whole tie), unless the box
+/// states the support of its ties.
+RailOnTies rails_on(const BallastBox& box, double pads, double bed);
+
 /// Settings of trains that pass over one tie of a bay of track.
 struct TrackPassage {
     BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42};

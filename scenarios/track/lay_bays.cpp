@@ -164,6 +164,7 @@ private:
             is_wall_[host[p]] = 1;
             if (plane[p].normal.x() < 0) {
                 far_side_ = p;
+                sides_ = host[p];
                 width_ = plane[p].point.x();
             }
         }
@@ -188,20 +189,16 @@ private:
         // the mirrors have no friction, so that nothing is kept of their contacts
         for_each_kind_of_pair([&]<class Pairs>() {
             if (!world_.has<Pairs>()) return;
-            const auto key = world_.column<Pairs, PairKey>();
-            const auto spring = world_.column<Pairs, Spring>();
-            keep_if<Pairs>([&](Row p) {
-                return Spring::keep(spring[p]) &&
-                       (!std::is_same_v<Pairs, PlanePairs> || is_rough(key[p].feature));
-            });
+            const Table& pairs = world_.table<Pairs>();
+            if (pairs.has<Roll>() || pairs.has<Worn>())
+                throw std::logic_error(
+                    "bays of a track: no mirror image of what contacts remember");
+            const auto key = pairs.column<PairKey>();
+            const auto spring = pairs.column<Spring>();
+            keep_if<Pairs>(
+                [&](Row p) { return Spring::keep(spring[p]) && key[p].partner != sides_; });
+            pairs_.push_back(all_rows(pairs.size()));
         });
-    }
-    bool is_rough(EntityId plane) const {
-        const auto& planes = world_.table<Planes>();
-        const auto row =
-            std::ranges::find(planes.column<PlaneId>(), plane) - planes.column<PlaneId>().begin();
-        return planes.column<HostId>()[static_cast<std::size_t>(row)] !=
-               planes.column<HostId>()[far_side_];
     }
 
     /// Memory for all rows at once.
@@ -216,13 +213,7 @@ private:
         times(world_.table<Spheres>(), 0, spheres_.size());
         times(world_.table<Facets>(), facet_rows_.size(), 0);
         for_each_kind_of_pair([&]<class Pairs>() {
-            if (!world_.has<Pairs>()) return;
-            if (world_.table<Pairs>().template has<Roll>() ||
-                world_.table<Pairs>().template has<Worn>())
-                throw std::logic_error(
-                    "bays of a track: no mirror image of what contacts remember");
-            pairs_.push_back(all_rows(world_.table<Pairs>().size()));
-            times(world_.table<Pairs>(), 0, pairs_.back().size());
+            if (world_.has<Pairs>()) times(world_.table<Pairs>(), 0, world_.table<Pairs>().size());
         });
     }
 
@@ -363,6 +354,7 @@ private:
     unsigned bays_;
     OwnBays own_;
     EntityId bodies_, once_, facets_ = 0;  ///< of one bay
+    EntityId sides_ = nobody;              ///< the mirrors
     double width_ = 0;                     ///< m, of a bay
     Row far_side_ = 0;                     ///< of Planes
     std::vector<char> is_wall_, is_grain_; ///< by id

@@ -113,9 +113,7 @@ Simulation make_track(const LongTrack& t, const Common& common) {
                                                  "bays, found {}",
                                                  t.bays, Ranks::size()));
     Simulation simulation = make_undivided_box(t.box, common);
-    std::size_t rocks = 0;
-    for (const auto& course : simulation.world().resource<BoxBodies>().rocks)
-        rocks += course.size();
+    const std::size_t rocks = simulation.world().resource<BoxBodies>().number_of_rocks();
     const OwnBays own = own_bays(t.bays);
     const bool resumes = resumes_track(common); // then all ranks first read the whole
     const double here = static_cast<double>(rocks) * (own.last - own.first),

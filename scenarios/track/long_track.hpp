@@ -2,9 +2,7 @@
 
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
-#include "scenarios/ballast_box/box_run.hpp"
-#include "scenarios/ballast_box/rail.hpp"
-#include "scenarios/ballast_box/train.hpp"
+#include "scenarios/ballast_box/passages.hpp"
 
 #include <string>
 
@@ -19,15 +17,7 @@ struct LongTrack {
 
     void declare_options(auto& option);
     /// Of the ties on springs beyond the ballast.
-    RailOnTies rails() const {
-        constexpr double usual_bed = 80e6; // N/m, of clean beds of this model
-        return {.bending = box.rail_bending,
-                .tie_support =
-                    box.tie_support > 0 ? box.tie_support : in_series(pad_stiffness, usual_bed),
-                .spacing = tie_spacing,
-                .tie_weight = weight_of_tie,
-                .pad = pad_stiffness};
-    }
+    RailOnTies rails() const { return rails_on(box, pad_stiffness, usual_bed); }
 };
 
 /// The track with its rail: its bay is taken from the store or made, and each rank makes and

@@ -19,8 +19,8 @@ constexpr auto ties_path = "track/ties", passages_path = "track/passages",
 
 /// Numbers of a record, in the order in which they are saved.
 auto numbers_of(auto& tie) {
-    return std::array{&tie.height,     &tie.now,  &tie.support_now, &tie.deflection,
-                      &tie.settlement, &tie.load, &tie.support};
+    return std::array{&tie.height,     &tie.now,  &tie.support_now,
+                      &tie.deflection, &tie.load, &tie.support};
 }
 
 void put(Archive& archive, const char* path, const std::vector<TieRecord>& records) {
@@ -38,12 +38,8 @@ std::vector<TieRecord> records_in(const Archive& archive, const char* path) {
     return records;
 }
 
-/// Raises each number to that of another record.
-void raise(TieRecord& to, TieRecord by) {
-    const auto numbers = numbers_of(to), others = numbers_of(by);
-    for (std::size_t k = 0; k < numbers.size(); ++k)
-        *numbers[k] = std::max(*numbers[k], *others[k]);
-}
+/// What of a tie is the largest of a time.
+auto largest_of(auto& tie) { return std::array{&tie.deflection, &tie.load, &tie.support}; }
 
 } // namespace
 
@@ -68,15 +64,15 @@ void TieRecords::note(const World& world) {
     for (std::size_t k = 0; k < ids.size(); ++k) {
         const Row row = row_of[ids[k]];
         TieRecord& tie = ties_[k];
-        tie.now = tie.settlement = tie.height - position[row].z();
+        tie.now = tie.height - position[row].z();
         tie.support_now = force[row].z() - outer(row).z();
         tie.deflection = std::max(tie.deflection, tie.now);
         tie.load = std::max(tie.load, -of_rail[row].force.z());
         tie.support = std::max(tie.support, tie.support_now);
-        raise(largest, tie);
+        const auto to = largest_of(largest), by = largest_of(tie);
+        for (std::size_t n = 0; n < to.size(); ++n) *to[n] = std::max(*to[n], *by[n]);
     }
-    // what remains in the end is not the largest of the time
-    largest.settlement = std::ranges::max(ties_, {}, &TieRecord::settlement).settlement;
+    largest.now = std::ranges::max(ties_, {}, &TieRecord::now).now;
 }
 
 void TieRecords::save(Archive& archive) const {

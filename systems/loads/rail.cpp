@@ -136,10 +136,10 @@ Eigen::VectorXd RailResponse::of_loads(const Rail& rail, double time) const {
     return pad_ * deflections(loads);
 }
 
-Eigen::VectorXd RailResponse::of_ties(const Eigen::VectorXd& of_ties) const {
+Eigen::VectorXd RailResponse::of_ties(const Eigen::VectorXd& u) const {
     Eigen::VectorXd pushed = Eigen::VectorXd::Zero(2 * beam_.nodes());
-    pushed(Eigen::seqN(0, beam_.nodes(), 2)) = pad_ * of_ties;
-    return pad_ * (deflections(pushed) - of_ties);
+    pushed(Eigen::seqN(0, beam_.nodes(), 2)) = pad_ * u;
+    return pad_ * (deflections(pushed) - u);
 }
 
 void Rails::prepare() {

@@ -55,8 +55,8 @@ public:
     explicit RailResponse(const Rail& rail);
     /// N, of weight and axles at a time (s), on ties that stay where they are.
     Eigen::VectorXd of_loads(const Rail& rail, double time) const;
-    /// N, by deflections of the ties (m), without loads; or N/s, by their speeds (m/s).
-    Eigen::VectorXd of_ties(const Eigen::VectorXd& deflections) const;
+    /// N, by deflections `u` of the ties (m), without loads; or N/s, by their speeds (m/s).
+    Eigen::VectorXd of_ties(const Eigen::VectorXd& u) const;
 
 private:
     using Factors = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
