@@ -83,7 +83,7 @@ World loaded_rocks(EntityId& block) {
     };
     for (const double end : {-0.01, 0.01})
         hold(Vec3(end, 0, 0), Vec3(at.x(), at.y(), 0), Vec3::UnitZ()); // draws it down
-    for (const Vec3& axis : {Vec3::UnitX(), Vec3::UnitY()}) hold(Vec3::Zero(), at, axis);
+    for (const Vec3 axis : {Vec3::UnitX(), Vec3::UnitY()}) hold(Vec3::Zero(), at, axis);
     return world;
 }
 
