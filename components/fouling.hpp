@@ -8,20 +8,12 @@
 
 namespace bris {
 
-/// The bodies of a scene with fines, in the order of their ids.
-struct FouledBodies {
-    static constexpr auto name = "fouled_bodies";
-};
-struct FouledBodyId : State<EntityId> {
-    static constexpr auto name = "id", unit = "";
-    static constexpr bool is_key = true;
-};
-
 /// Fouling of the voids around a body.
 struct LocalFouling {
     double contaminant = 0; ///< void contaminant index VCI as a fraction, >= 0
     double saturation = 0;  ///< share of the voids left by the fines that water fills, in [0, 1]
 };
+/// Of bodies of a scene with fines.
 struct FoulingAround : State<LocalFouling> {
     static constexpr auto name = "fouling", unit = "";
 };

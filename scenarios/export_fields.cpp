@@ -92,7 +92,7 @@ void run(const ExportFields& settings, const Common& common) {
         summary.add("void_volume_m3", set.void_volume);
         summary.add("porosity", set.void_volume / (set.void_volume + set.solids.value));
     }
-    if (world.has_resource<Fouling>()) add_fouling_results(summary, world);
+    if (has_fouling_fields(world)) add_fouling_results(summary, world);
     std::string names;
     for (const FieldSet::Field& field : set.fields)
         names += (names.empty() ? "" : ",") + field.name;

@@ -3,19 +3,24 @@
 // among ranks, each of which makes and computes a part of it only.
 #include "scenarios/track/long_track.hpp"
 
+#include "components/fouling.hpp"
 #include "components/kinds.hpp"
+#include "components/over_ranks.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
+#include "engine/message.hpp"
 #include "engine/ranks.hpp"
 #include "engine/report.hpp"
 #include "engine/run.hpp"
-#include "scenarios/monitoring/vibration.hpp"
+#include "scenarios/ballast_box/load_band.hpp"
+#include "scenarios/monitoring/sensor_levels.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/last_quantities.hpp"
 #include "scenarios/specimens/recorded_motion.hpp"
 #include "scenarios/track/tie_records.hpp"
+#include "systems/fields/fouling.hpp"
 #include "systems/output/frames.hpp"
 #include "systems/slabs/slabs.hpp"
 
@@ -49,19 +54,50 @@ struct TrackSample {
 /// s: an axle moves a quarter of the distance of two ties at most.
 double sample_interval(double speed) { return std::min(5e-3, tie_spacing / (4 * speed)); }
 
-void add_recordings(Report& summary, const World& world, const Common& common) {
-    const std::vector<Recording> recordings = recordings_of(world);
+/// What the sensor rocks of the middle bay and the sensor on its tie recorded in the last passage.
+void add_recordings(Report& summary, const LongTrack& t, const World& world, const Common& common) {
+    const std::vector<Recording> recordings = recordings_of(world),
+                                 exact = recordings_of(world, &InertialRecorder::exact);
     const auto& sensors = world.resource<BoxBodies>().sensors;
-    for (std::size_t k = 0; k < sensors.size(); ++k) {
-        const Vibration vertical = vibration_of(recordings[k], VibrationQuantity::vertical, 0.1);
-        if (vertical.impossible_because.empty())
-            summary.add(fmt::format("vertical_rms_{}_m_per_s2", sensors[k].name), vertical.rms);
+    const double band = load_band(t.speed, t.rails());
+    summary.add("vibration_follows_load_up_to_Hz", band);
+    std::string impossible;
+    for (std::size_t k = 0; k < recordings.size(); ++k) {
+        const std::string name = k < sensors.size() ? sensors[k].name : "tie";
+        const Vibration vertical = vibration_of(exact[k], VibrationQuantity::vertical, 0.1);
+        impossible = vertical.impossible_because;
+        if (impossible.empty()) {
+            add_sensor_levels(summary, "", name, recordings[k], band);
+            add_sensor_levels(summary, "exact_", name, exact[k], band);
+        }
         write_sensor_info(common.out / fmt::format("rock_{:02}.txt", k + 1), recordings[k].info);
     }
+    if (!impossible.empty()) say("no levels of the sensors: " + impossible);
     write_recordings(common.out / "recordings.csv", recordings,
-                     {"Recorded by the sensor rocks of the middle bay of a track in the last "
-                      "passage; the pose in "
-                      "rock_NN.txt is that at the end of the run"});
+                     {"Recorded by the sensor rocks of the middle bay of a track, and last by the "
+                      "sensor on its tie, in the last passage; the pose in rock_NN.txt is that at "
+                      "the end of the run"});
+}
+
+/// Means over the rocks.
+void add_fouling_around(Report& summary, const World& world) {
+    if (!world.has_resource<Fouling>()) return;
+    const auto around = world.column<Bodies, FoulingAround>();
+    const auto spheres = world.column<Bodies, SpheresOf>();
+    const OverRanks ranks(world);
+    ExactSum contaminant, saturation, rocks;
+    for (Row b = 0; b < around.size(); ++b) {
+        if (spheres[b].count == 0 || !ranks.counts(b)) continue;
+        contaminant.add(around[b].contaminant);
+        saturation.add(around[b].saturation);
+        rocks.add(1);
+    }
+    ranks.add({&contaminant, &saturation, &rocks});
+    const auto mean_percent = [&](const ExactSum& sum) {
+        return 100 * sum.value() / rocks.value();
+    };
+    summary.add("void_contaminant_index_around_rocks_percent", mean_percent(contaminant));
+    summary.add("saturation_around_rocks_percent", mean_percent(saturation));
 }
 
 /// The rocks, ties and plates of some bays around the middle; sensor rocks in red.
@@ -147,7 +183,8 @@ Report summary_of(const LongTrack& t, Simulation& simulation, const TieRecords& 
         summary.add_part(fmt::format("passage_{:02}", k + 1), passage);
     }
     summary.add("deflection_of_middle_tie_mm", 1e3 * ties.middle().deflection);
-    add_recordings(summary, world, common);
+    add_fouling_around(summary, world);
+    add_recordings(summary, t, world, common);
     add_quantities(summary, last.quantities());
     run.add_to_summary(summary);
     summary.show({"bays", "rocks", "track_length_m", "unbalanced_ratio", "steps", "wall_time_s"});
@@ -157,6 +194,7 @@ Report summary_of(const LongTrack& t, Simulation& simulation, const TieRecords& 
 void check_options(const LongTrack& t, const Common&) {
     say_how_read(grading_named(t.box.grading));
     say_how_read(train_named(t.train));
+    if (t.first_train != "none") say_how_read(train_named(t.first_train, "--first-train"));
     const RailOnTies rails = t.rails();
     require(rails.tie_support < rails.pad,
             fmt::format("--tie-support: expected less than the {:g} N/m of --pad-stiffness, of "
@@ -183,16 +221,20 @@ Outcome simulate(const LongTrack& t, const Common& common) {
     run.keep(last);
     run.keep(ties);
     if (resumes)
-        run.resume(common.resume, {"duration_s", "passages"});
+        run.resume(common.resume, t.gap > 0
+                                      ? std::vector<std::string_view>{"duration_s"}
+                                      : std::vector<std::string_view>{"duration_s", "passages"});
     else
         find_step(simulation, t);
     const World& part = simulation.divide_now();
-    const double dt = part.resource<Clock>().dt, duration = duration_of(t, part);
-    const std::uint64_t steps = steps_of(duration, dt, "duration");
+    const double dt = part.resource<Clock>().dt;
+    const auto steps_in = [&](std::uint64_t passage) {
+        return steps_of(duration_of(t, part, passage), dt, "duration");
+    };
     require(run.phase() < t.passages,
             fmt::format("--passages: expected at least the {} of the checkpoint, found {}",
                         run.phase() + 1, t.passages));
-    if (run.is_resumed()) run.require_steps_left(steps, "duration");
+    if (run.is_resumed()) run.require_steps_left(steps_in(run.phase() + 1), "duration");
     const auto sample = [&](Simulation& s, std::uint64_t) {
         s.observe();
         const World& world = s.observed();
@@ -212,13 +254,13 @@ Outcome simulate(const LongTrack& t, const Common& common) {
     for (unsigned number = 1; number <= t.passages; ++number)
         phases.push_back(run.timed(
             {.name = fmt::format("passage {}", number),
-             .steps = steps,
+             .steps = steps_in(number),
              .sample_every = std::max<std::uint64_t>(
                  1, static_cast<std::uint64_t>(std::llround(sample_interval(t.speed) / dt))),
              .sample = sample,
              .begin =
-                 [&](Simulation& s) {
-                     begin_passage(s, t);
+                 [&, number](Simulation& s) {
+                     begin_passage(s, t, number);
                      ties.begin(s.observed());
                  },
              .looks = false}));

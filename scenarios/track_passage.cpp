@@ -14,6 +14,7 @@
 #include "scenarios/ballast_box/passages.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/monitoring/passage.hpp"
+#include "scenarios/monitoring/sensor_levels.hpp"
 #include "scenarios/monitoring/vibration.hpp"
 #include "scenarios/specimens/last_quantities.hpp"
 #include "scenarios/specimens/recorded_motion.hpp"
@@ -42,49 +43,9 @@ void write_passage(const World& world, const TrackPassage& t, unsigned number,
                    what + ", by devices without errors");
 }
 
-/// Of the longest part without gaps; without densities if that is shorter than two segments.
-Spectrum spectrum_of(const Vibration& vertical) {
-    if (vertical.runs.empty()) return {};
-    const std::size_t longest =
-        std::ranges::max(vertical.runs, {}, [](const auto& run) { return run.size(); }).size();
-    WelchSettings settings;
-    while (settings.segment > 64 && 2 * settings.segment > longest) settings.segment /= 2;
-    return 2 * settings.segment > longest ? Spectrum{}
-                                          : welch(vertical.runs, vertical.rate, settings);
-}
-
-/// Levels of a sensor in the last passage; `prefix` tells who recorded. The mean of the first tenth
-/// of a second is the level at rest: the first axle is still far away. The level is taken apart at
-/// `load_band` (Hz, bris::load_band).
-void add_sensor(Report& summary, const std::string& prefix, const std::string& name,
-                const Recording& recording, double load_band) {
-    const Vibration vertical = vibration_of(recording, VibrationQuantity::vertical, 0.1);
-    require(vertical.impossible_because.empty(), vertical.impossible_because);
-    double peak = 0;
-    for (const auto& run : vertical.runs)
-        for (const double a : run) peak = std::max(peak, std::abs(a));
-    summary.add(prefix + "vertical_rms_" + name + "_m_per_s2", vertical.rms);
-    summary.add(prefix + "vertical_peak_" + name + "_m_per_s2", peak);
-    for (const auto rate :
-         {VibrationQuantity::roll_rate, VibrationQuantity::pitch_rate, VibrationQuantity::yaw_rate})
-        summary.add(fmt::format("{}{}_rms_{}_rad_per_s", prefix, text_of(rate), name),
-                    vibration_of(recording, rate, 0.1).rms);
-    const Spectrum spectrum = spectrum_of(vertical);
-    if (spectrum.density.empty()) return;
-    summary.add(prefix + "vertical_rms_following_load_" + name + "_m_per_s2",
-                std::sqrt(band_power(spectrum, 0, load_band)));
-    summary.add(prefix + "vertical_rms_of_rest_" + name + "_m_per_s2",
-                std::sqrt(band_power(spectrum, load_band + spectrum.spacing,
-                                     spectrum.frequency(spectrum.density.size()))));
-    for (const auto& [low, high] : {std::pair{1, 5}, {5, 20}, {20, 80}})
-        summary.add(
-            fmt::format("{}vertical_power_{}_to_{}_Hz_{}_m2_per_s4", prefix, low, high, name),
-            band_power(spectrum, low, high));
-    summary.add(prefix + "vertical_entropy_" + name, spectral_entropy(spectrum, 1, 80));
-}
-
 Curve spectrum_of(const Recording& recording, const std::string& name) {
-    const Spectrum s = spectrum_of(vibration_of(recording, VibrationQuantity::vertical, 0.1));
+    const Spectrum s =
+        spectrum_of_longest(vibration_of(recording, VibrationQuantity::vertical, 0.1));
     Curve curve{.label = name};
     for (std::size_t bin = 1; bin < s.density.size(); ++bin) {
         curve.x.push_back(s.frequency(bin));
@@ -181,9 +142,9 @@ void summarise(Report& summary, const TrackPassage& t, const Train& train,
     const double band = load_band(t.train_speed(), t.rails(world));
     summary.add("vibration_follows_load_up_to_Hz", band);
     for (std::size_t k = 0; k < sensors.size(); ++k) {
-        add_sensor(summary, "", sensors[k].name, recordings[k], band);
+        add_sensor_levels(summary, "", sensors[k].name, recordings[k], band);
         summary.show({fmt::format("vertical_rms_{}_m_per_s2", sensors[k].name)});
-        add_sensor(summary, "exact_", sensors[k].name, exact[k], band);
+        add_sensor_levels(summary, "exact_", sensors[k].name, exact[k], band);
         summary.add(fmt::format("height_{}_m", sensors[k].name),
                     world.column<Bodies, Position>()[row_of_body(world, sensors[k].body)].z());
     }
@@ -221,8 +182,7 @@ void run(const TrackPassage& t, const Common& common) {
         .frame = [&] { frames.add(world); },
         .completed = [&](unsigned number) { write_passage(world, t, number, common.out); },
         .bed_saved = [&bed] { bed.keep(); }};
-    std::vector<Phase> phases = test.making_of_bed();
-    phases.push_back(test.seat());
+    std::vector<Phase> phases = test.bed_of_track();
     for (Phase& phase : passage_phases(test, run, t, train, samples, actions))
         phases.push_back(std::move(phase));
     run.go(phases);

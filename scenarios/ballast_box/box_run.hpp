@@ -28,7 +28,11 @@ public:
     std::vector<Phase> preparation(std::optional<Phase> save = {}) const;
     /// The ties are laid on the bed and loaded, until all is at rest.
     Phase seat() const;
-    /// Fines, water and the loss of the shoulder come to a track that is in use.
+    /// The bed of a track with its tie, which is seated: mixed with fines and water if the run asks
+    /// for them so, else clean and dry, and with its shoulder.
+    std::vector<Phase> bed_of_track() const;
+    /// Fines and water, if the bed was not mixed with them, and the loss of the shoulder come to a
+    /// track that is in use.
     std::vector<Phase> changes_in_use() const;
     /// Steps of the load cycles, and of one of them. The dynamic model needs the time step, which
     /// is chosen when the ties are seated, so that it is known in the last phase only.

@@ -44,16 +44,17 @@ struct BallastBox {
     // the groups of options, which other scenarios of the box share
     void declare_ballast_options(auto& option);
     void declare_fines_option(auto& option);
+    void declare_state_option(auto& option);
     void declare_track_options(auto& option);
     void declare_simulation_options(auto& option);
 
     /// True masses and recorders in the sensor rocks: the models with real time. The model `bay`,
-    /// one tie over which trains pass, belongs to the scenario track_passage.
+    /// one tie over which trains pass, belongs to the scenarios track_passage and long_track.
     bool is_dynamic() const { return model == "dynamic" || is_full() || is_bay(); }
     bool is_full() const { return model == "full"; }
     bool is_bay() const { return model == "bay"; }
-    /// Fines lie in each lift before it is compacted. A track in use is fouled when it is made.
-    bool is_mixed() const { return fines == "mixed" && !is_bay(); }
+    /// Fines lie in each lift before it is compacted.
+    bool is_mixed() const { return fines == "mixed"; }
     // settings with the default of 0 that a run or a model determines
     double peak() const { return peak_load > 0 ? peak_load : box_test(run).peak_load; }
     double least() const { return least_load * peak(); }
@@ -211,6 +212,14 @@ void BallastBox::declare_fines_option(auto& option) {
            "mixed: fines and water lie in each lift before its compaction. filled: they come into "
            "the voids of the finished bed, so that states can be compared over one packing.",
            {"mixed", "filled"});
+}
+
+void BallastBox::declare_state_option(auto& option) {
+    option("run", run, "",
+           "State of the ballast, as in the runs of table 1 of the report: I.2 clean, I.4 without "
+           "shoulder, II.2 fouled and dry, II.3 fouled and wet, II.4 fouled, wet and without "
+           "shoulder.",
+           {"I.2", "I.4", "II.2", "II.3", "II.4"});
 }
 
 void BallastBox::declare_track_options(auto& option) {

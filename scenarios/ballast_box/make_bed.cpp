@@ -105,7 +105,6 @@ Phase BoxTestRun::pour(std::size_t course) const {
                     note_beginning(s.world());
                     if (course == 1) place_bladder(s.world(), sizes_);
                     if (course > 0) add_course(s.world(), course, seed_);
-                    if (s.world().has_resource<Fouling>()) add_fouled_bodies(s.world());
                     pour_course(s.world(), sizes_, course, seed_);
                     s.world().resource<Clock>().change_step(scale_rocks(s.world(), 0));
                 }};

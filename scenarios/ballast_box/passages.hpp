@@ -19,7 +19,7 @@ RailOnTies rails_on(const BallastBox& box, double pads, double bed);
 
 /// Settings of trains that pass over one tie of a bay of track.
 struct TrackPassage {
-    BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42};
+    BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42, .fines = "filled"};
     std::string train = "passenger", first_train = "none";
     double speed = 0;
     unsigned passages = 2;
@@ -58,11 +58,10 @@ struct PassageActions {
     std::function<void()> bed_saved = {};
 };
 
-/// The phases after a clean and confined bed was made and its tie seated: the first train passes,
-/// if there is one, the bed is saved as bed.ckpt.h5, fines and water come or the shoulder is lost
-/// as the run asks, the tie is hung up if there is to be a gap, then the train passes `passages`
-/// times. `samples` has passage_columns(). All
-/// references must outlive the phases.
+/// The phases after the bed of a track was made: the first train passes, if there is one, the bed
+/// is saved as bed.ckpt.h5, it changes in use as the run asks, the tie is hung up if there is to be
+/// a gap, then the train passes `passages` times. `samples` has passage_columns(). All references
+/// must outlive the phases.
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
                                   const TrackPassage& settings, const Train& train,
                                   SeriesOf<PassageSample>& samples, const PassageActions& actions);
@@ -100,14 +99,11 @@ void TrackPassage::declare_options(auto& option) {
            "Stiffness of the pads between the rails and a tie, those of both rails together.",
            within(1e6, 1e10).usually(5e7, 5e8));
     option.group("Ballast");
-    option("run", box.run, "",
-           "State of the ballast, as in the runs of table 1 of the report: I.2 clean, I.4 without "
-           "shoulder, II.2 fouled and dry, II.3 fouled and wet, II.4 fouled, wet and without "
-           "shoulder.",
-           {"I.2", "I.4", "II.2", "II.3", "II.4"});
+    box.declare_state_option(option);
     option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));
     box.declare_ballast_options(option);
     box.fouling.declare_options(option);
+    box.declare_fines_option(option);
     option("sensor_density", box.sensor_density, "kg/m3",
            "Density of the sensor rocks in the finished bed; 0: that of the rocks.",
            within(0, 1e6).usually(100, 1e4));

@@ -59,7 +59,8 @@ void resume_box(Run& run, Simulation& simulation, const BallastBox& box, const C
 namespace {
 
 constexpr auto bed_file = "bed.ckpt.h5";
-constexpr auto kind_of_bed = "bed_3"; // 2: without wet stones, 1: nor the stiffness of the bed
+// 3: fines in a table of their own, 2: without wet stones, 1: nor the stiffness of the bed
+constexpr auto kind_of_bed = "bed_4";
 
 } // namespace
 

@@ -1,6 +1,7 @@
 #include "scenarios/track/lay_bays.hpp"
 
 #include "components/boundary.hpp"
+#include "components/fouling.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "components/recorder.hpp"
@@ -10,7 +11,6 @@
 #include "engine/ordering.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/fields/fouling.hpp"
 #include "systems/loads/load.hpp"
 #include "systems/loads/rail.hpp"
 #include "systems/loads/spring_patch.hpp"
@@ -52,12 +52,13 @@ void change(Table& table, Row first, Change&& change_value) {
 
 /// All State of bodies is either named here or changed by place_bodies: a new component that is not
 /// would be copied as it is, which is wrong of a vector.
-constexpr auto copied_as_they_are =
-    std::to_array<std::string_view>({"id", "motion", "material", "shape", "mass", "inertial_mass",
-                                     "inertia", "inertial_inertia", "bounding_radius", "rail_tie"});
+constexpr auto copied_as_they_are = std::to_array<std::string_view>(
+    {"id", "motion", "material", "shape", "mass", "inertial_mass", "inertia", "inertial_inertia",
+     "bounding_radius", "rail_tie", "fouling"});
 constexpr auto placed = std::to_array<std::string_view>(
     {"position", "velocity", "acceleration", "drive_velocity", "angular_velocity",
-     "step_angular_velocity", "angular_momentum", "orientation", "load", "patches", "recorder"});
+     "step_angular_velocity", "angular_momentum", "orientation", "sampled_pose", "load", "patches",
+     "recorder"});
 
 void require_known(const Table& bodies) {
     for (const auto& column : bodies.columns())
@@ -78,6 +79,9 @@ void place_bodies(Table& bodies, Row first, const Place& place) {
     change<StepAngularVelocity>(bodies, first, axial);
     change<AngularMomentum>(bodies, first, axial);
     change<Orientation>(bodies, first, [&](Quat& q) { q = place.attitude(q); });
+    change<SampledPose>(bodies, first, [&](Pose& pose) {
+        pose = {place.point(pose.position), place.attitude(pose.orientation)};
+    });
 }
 
 /// Appends copies of these rows. Values that are not carried are zero.
@@ -110,7 +114,6 @@ public:
     Bays(World& world, unsigned bays, OwnBays own, EntityId once)
         : world_(world), bays_(bays), own_(own),
           bodies_(static_cast<EntityId>(world.table<Bodies>().size())), once_(once) {
-        require(!world.has_resource<Fouling>(), "bays of a track: expected clean ballast");
         require_known(world.table<Bodies>());
         remove_plates();
         find_sides();

@@ -9,7 +9,7 @@ struct OwnBays {
     unsigned first, last;
 };
 
-/// Lays copies of a seated bay (model `bay` of BallastBox, clean) side by side along x, so that the
+/// Lays copies of a seated bay (model `bay` of BallastBox) side by side along x, so that the
 /// world is a track of `bays` bays. Every second one is the mirror image of the others: the
 /// frictionless sides of the bay are mirrors, and where one was, each rock now meets its own image
 /// with the force with which it met the side. So the track is as much at rest as the bay was. Its

@@ -14,6 +14,8 @@
 #include "scenarios/track/lay_bays.hpp"
 #include "scenarios/track/rail_over_bays.hpp"
 #include "systems/contact/stable_step.hpp"
+#include "systems/fields/fouling.hpp"
+#include "systems/recorder/record_motion.hpp"
 
 #include <fmt/format.h>
 
@@ -39,22 +41,17 @@ bool ends_in_bay(const std::filesystem::path& resume) {
 /// In the folder of results, from which the bay's files are removed once it is made.
 void make_bay(Simulation& simulation, const LongTrack& t, const Common& common) {
     BoxTestRun test(simulation, t.box, common.seed);
-    const std::vector<std::string_view> after_bed{"bays",
-                                                  "passages",
-                                                  "train",
-                                                  "speed_m_per_s",
-                                                  "duration_s",
-                                                  "pad_stiffness_N_per_m",
-                                                  "restitution",
-                                                  "step_fraction",
-                                                  "rail_bending_N_m2",
-                                                  "tie_support_N_per_m"};
+    std::vector<std::string_view> after_bed = settings_of_state(t.box, common);
+    after_bed.insert(after_bed.end(),
+                     {"bays", "passages", "train", "first_train", "speed_m_per_s", "duration_s",
+                      "gap_m", "pad_stiffness_N_per_m", "restitution", "step_fraction",
+                      "rail_bending_N_m2", "tie_support_N_per_m"});
     Run run(simulation, common, bay_name);
     const BoxBed bed(simulation, common, after_bed);
     bed.begin(run, simulation, t.box, after_bed);
-    std::vector<Phase> phases = test.making_of_bed();
-    phases.push_back(test.seat());
+    std::vector<Phase> phases = test.bed_of_track();
     phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
+    for (Phase& phase : test.changes_in_use()) phases.push_back(std::move(phase));
     run.go(phases);
     const bool is_kept = common.resume.empty() && common.beds != "none";
     if (!Ranks::is_first() || !is_kept) return;
@@ -82,9 +79,18 @@ SlabPlan plan_of(const BallastBox& box, unsigned bays) {
     return plan;
 }
 
+/// A sensor as those of the rocks, on the middle tie.
+void add_tie_sensor(World& world, std::uint64_t seed) {
+    const auto& ties = world.resource<BoxBodies>().ties;
+    const ImuModel& model = world.resource<InertialRecorders>().list.front().device.imu.model();
+    add_recorder(world, ties[ties.size() / 2], ImuModel(model), world.resource<Gravity>().value,
+                 seed);
+}
+
 /// Makes the track of a bay, and divides it.
-void lay_track(Simulation& simulation, const LongTrack& t) {
+void lay_track(Simulation& simulation, const LongTrack& t, std::uint64_t seed) {
     World& world = simulation.world();
+    if (world.has_resource<Fouling>()) fix_fouling(world);
     const std::size_t most =
         nobody / std::max(world.table<Spheres>().size(), world.table<Bodies>().size());
     require(t.bays <= most,
@@ -93,10 +99,7 @@ void lay_track(Simulation& simulation, const LongTrack& t) {
     const EntityId once = add_ties_on_springs(world, t.rails(), t.bays);
     lay_bays(world, t.bays, own_bays(t.bays), once);
     lay_rail(world, t.rails(), once);
-    auto& limits = world.resource<Limits>();
-    const double beyond = tie_spacing * static_cast<double>(t.rails().ties_on_each_side() + 1);
-    limits.low.x() -= beyond;
-    limits.high.x() += beyond;
+    add_tie_sensor(world, seed);
     if (Ranks::size() > 1) world.add_resource(plan_of(t.box, t.bays));
     simulation.prepare();
     divide_among_ranks(simulation);
@@ -123,29 +126,33 @@ Simulation make_track(const LongTrack& t, const Common& common) {
         make_bay(simulation, t, common);
     } else { // the checkpoint has the State of all bodies, and a rail lies on ties that are free
         World& world = simulation.world();
+        if (fouling_of(t.box).any()) add_fields(simulation, t.box);
         for (const EntityId tie : world.resource<BoxBodies>().ties)
             value_of<MotionOf>(world, tie) = static_cast<std::uint32_t>(Motion::free);
     }
-    lay_track(simulation, t);
+    lay_track(simulation, t, common.seed);
     return simulation;
 }
 
 void find_step(Simulation& simulation, const LongTrack& t) {
-    set_materials(simulation.divide_now()); // those of the passages
+    World& world = simulation.divide_now();
+    set_materials(world, {.friction = friction_of_stones(world)}); // those of the passages
     simulation.advance_unseen(1);
     simulation.observe();
     const double stable = stable_step(simulation.observed());
     simulation.divide_now().resource<Clock>().change_step(t.box.step_fraction * stable);
 }
 
-void begin_passage(Simulation& simulation, const LongTrack& t) {
+void begin_passage(Simulation& simulation, const LongTrack& t, std::uint64_t passage) {
     World& world = simulation.divide_now();
-    begin_train(world, train_named(t.train), t.speed);
+    if (passage == t.passages && t.gap > 0) hang_ties(world, t.gap);
+    begin_train(world, train_named(t.train_of(passage)), t.speed);
     start_recording(world);
 }
 
-double duration_of(const LongTrack& t, const World& world) {
-    return t.duration > 0 ? t.duration : time_on_rail(world, train_named(t.train), t.speed);
+double duration_of(const LongTrack& t, const World& world, std::uint64_t passage) {
+    return t.duration > 0 ? t.duration
+                          : time_on_rail(world, train_named(t.train_of(passage)), t.speed);
 }
 
 } // namespace bris

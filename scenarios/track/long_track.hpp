@@ -12,15 +12,20 @@ namespace bris {
 struct LongTrack {
     BallastBox box = {.model = "bay", .tie_support = 0, .porosity = 0.42};
     unsigned bays = 3, passages = 1;
-    std::string train = "locomotive";
-    double speed = 31.3, duration = 0, pad_stiffness = 120e6;
+    std::string train = "locomotive", first_train = "none";
+    double speed = 31.3, duration = 0, pad_stiffness = 120e6, gap = 0;
 
     void declare_options(auto& option);
+    /// Name of the train of a passage, which count from 1.
+    const std::string& train_of(std::uint64_t passage) const {
+        return passage == 1 && first_train != "none" ? first_train : train;
+    }
     /// Of the ties on springs beyond the ballast.
     RailOnTies rails() const { return rails_on(box, pad_stiffness, usual_bed); }
 };
 
-/// The track with its rail: its bay is taken from the store or made, and each rank makes and
+/// The track with its rail and a sensor on the middle tie. Fines and water stay where they are once
+/// the bay was seated. Its bay is taken from the store or made, and each rank makes and
 /// divides its own part. For a run that is resumed, of a bay that was never settled. Throws
 /// InputError, SimulationError, OutputError, Interrupted.
 Simulation make_track(const LongTrack& track, const Common& common);
@@ -31,11 +36,12 @@ bool resumes_track(const Common& common);
 /// Runs a step, in which the contacts between the bays are found, from which the time step of the
 /// passages follows.
 void find_step(Simulation& simulation, const LongTrack& track);
-/// The train comes, and the sensor rocks begin to record.
-void begin_passage(Simulation& simulation, const LongTrack& track);
+/// Passages count from 1. The train comes, and the sensors begin to record; before the last passage
+/// the ties are hung up if there is to be a gap.
+void begin_passage(Simulation& simulation, const LongTrack& track, std::uint64_t passage);
 
-/// s, simulated time of each passage: as given, or until the last axle has left the rail.
-double duration_of(const LongTrack& track, const World& world);
+/// s, simulated time of a passage: as given, or until the last axle has left the rail.
+double duration_of(const LongTrack& track, const World& world, std::uint64_t passage);
 
 void LongTrack::declare_options(auto& option) {
     option.group("Track");
@@ -46,6 +52,10 @@ void LongTrack::declare_options(auto& option) {
     option("pad_stiffness", pad_stiffness, "N/m",
            "Stiffness of the pads between the rails and a tie, those of both rails together.",
            within(1e6, 1e10).usually(5e7, 5e8));
+    option("gap", gap, "m",
+           "Gap under the ties on ballast: before the last passage they are hung on the rail so "
+           "far above it. 0: they lie on the ballast.",
+           within(0, 0.05).usually(0, 0.01));
     box.declare_track_options(option);
     option.group("Train");
     option("train", train, "",
@@ -53,16 +63,22 @@ void LongTrack::declare_options(auto& option) {
            "a CSV file with the columns position_m and axle_load_kN.");
     option("speed", speed, "m/s", "Speed of the train.", within(0.1, 120));
     option("passages", passages, "",
-           "Passages of the train one after the other; the first one on a new bed settles it.",
+           "Passages one after the other; the first one on a new bed settles it, and the sensors "
+           "record the last one.",
            within(1, 1000));
+    option("first_train", first_train, "",
+           "Train of the first passage, at the same speed. none: the same train.");
     option(
         "duration", duration, "s",
         "Simulated time of a passage, from the first axle on the rail on, which begins some 11 m "
         "before the ballast. 0: until the last axle has left it.",
         within(0, 1e4));
     option.group("Ballast");
+    box.declare_state_option(option);
     option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));
     box.declare_ballast_options(option);
+    box.fouling.declare_options(option);
+    box.declare_fines_option(option);
     option.group("Simulation");
     box.declare_simulation_options(option);
 }

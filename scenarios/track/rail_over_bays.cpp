@@ -6,9 +6,12 @@
 #include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
+#include "systems/broadphase/lists.hpp"
 #include "systems/loads/load.hpp"
 #include "systems/loads/rail.hpp"
 #include "systems/loads/spring_patch.hpp"
+
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -54,6 +57,19 @@ void add_tie_on_spring(World& world, EntityId tie, double x, double stiffness) {
                .one_sided = true});
 }
 
+/// N/m, of the one below a tie.
+double spring_stiffness(const World& world, Row tie) {
+    const std::uint32_t number = world.column<Bodies, PatchesOf>()[tie];
+    return world.resource<SpringPatches>().of_body[number - 1].back().stiffness;
+}
+
+/// N, of a tie with what of rails and fastenings it carries.
+double weight_on(const World& world, Row tie) {
+    const auto& loads = world.resource<Loads>().of_body[world.column<Bodies, LoadOf>()[tie] - 1];
+    return -world.column<Bodies, Mass>()[tie] * world.resource<Gravity>().value.z() +
+           loads.front().history.at(world.resource<Clock>().time());
+}
+
 } // namespace
 
 EntityId add_ties_on_springs(World& world, const RailOnTies& rails, unsigned bays) {
@@ -63,6 +79,9 @@ EntityId add_ties_on_springs(World& world, const RailOnTies& rails, unsigned bay
     const auto beyond = static_cast<int>(rails.ties_on_each_side()), n = static_cast<int>(bays);
     for (int k = -beyond; k < n + beyond; ++k)
         if (k < 0 || k >= n) add_tie_on_spring(world, tie, (k + 0.5) * rails.spacing, share * bed);
+    auto& limits = world.resource<Limits>();
+    limits.low.x() -= (beyond + 1) * rails.spacing;
+    limits.high.x() += (beyond + 1) * rails.spacing;
     return first;
 }
 
@@ -78,6 +97,39 @@ void lay_rail(World& world, const RailOnTies& rails, EntityId first) {
     std::ranges::sort(ties, {}, [&](EntityId tie) { return position[row_of[tie]].x(); });
     for (const EntityId tie : ties) rail.seats.push_back({.tie = tie, .point = seat});
     add_rail(world, std::move(rail));
+}
+
+void hang_ties(World& world, double gap) {
+    Rail& rail = world.resource<Rails>().list.front();
+    const auto& ballast = world.resource<BoxBodies>().ties;
+    const RowIndex row_of(world.column<Bodies, BodyId>());
+    const auto hangs = [&](const RailSeat& seat) {
+        return std::ranges::find(ballast, seat.tie) != ballast.end();
+    };
+    const RailResponse response(rail);
+    const auto n = static_cast<Eigen::Index>(rail.seats.size());
+    Eigen::MatrixXd stiffness(n, n); // of the rail, and of the springs below ties
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const RailSeat& seat = rail.seats[static_cast<std::size_t>(i)];
+        const Row row = row_of[seat.tie];
+        stiffness.col(i) = -response.of_ties(Eigen::VectorXd::Unit(n, i));
+        if (hangs(seat))
+            force[i] = -weight_on(world, row);
+        else
+            stiffness(i, i) += spring_stiffness(world, row);
+    }
+    const Eigen::VectorXd u = stiffness.ldlt().solve(force); // m, of the seats
+    for (Eigen::Index i = 0; i < n; ++i) {
+        RailSeat& seat = rail.seats[static_cast<std::size_t>(i)];
+        const Row row = row_of[seat.tie];
+        if (!hangs(seat)) continue;
+        double& height = world.column<Bodies, Position>()[row].z();
+        height += gap;
+        const Vec3 arm = world.column<Bodies, Orientation>()[row] * seat.point;
+        seat.point.z() -= height + arm.z() - rail.level - u[i];
+    }
+    invalidate_lists(world);
 }
 
 void begin_train(World& world, const Train& train, double speed) {

@@ -10,9 +10,9 @@ namespace bris {
 /// What a field that acts on contacts states. `Field`: its resource, which is State, changes in
 /// whole steps only, and counts in `revision` the changes of what bodies see; a step that
 /// `is_checked` looks whether it `is_due`, and then its systems bring it up to date. `Factors`: of
-/// the contacts of two bodies, by id, of which the first is a rock.
+/// the contacts of two bodies, by row, of which the first is a rock.
 template <class F>
-concept CoupledField = requires(World& world, const typename F::Field& field, EntityId body) {
+concept CoupledField = requires(World& world, const typename F::Field& field, Row body) {
     { field.revision } -> std::convertible_to<std::uint64_t>;
     { field.is_checked(std::uint64_t{}) } -> std::same_as<bool>;
     { F::systems() } -> std::same_as<StepList>;

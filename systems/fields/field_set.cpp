@@ -155,7 +155,7 @@ FieldSet fields_of(const World& world, const FieldSetSettings& settings) {
     const Box3 rocks = around_rocks(bodies);
     const auto container = container_of(world, rocks);
     std::optional<Fouling> fouling;
-    if (world.has_resource<Fouling>()) fouling = present_fouling(world);
+    if (has_fouling_fields(world)) fouling = present_fouling(world);
     const double voxel = fouling ? fouling->settings.voxel : settings.voxel;
     check_voxel(voxel, rocks);
     SolidFraction solid(Lattice{Vec3::Constant(0.5 * voxel), voxel},

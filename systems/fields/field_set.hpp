@@ -34,8 +34,8 @@ struct FieldSet {
 };
 
 /// Always: `density` (fraction of solids), its error, `porosity`, `velocity`, `shear_strain_rate`.
-/// After steps in this process: `mean_stress`, `stress_zz`. With fouling: `fines`, `fouling`
-/// (void contaminant index), `fouling_index`, `saturation`. Reads only.
+/// After steps in this process: `mean_stress`, `stress_zz`. With fields of fouling: `fines`,
+/// `fouling` (void contaminant index), `fouling_index`, `saturation`. Reads only.
 FieldSet fields_of(const World& world, const FieldSetSettings& settings);
 
 /// Writes NAME.vdb and NAME.vtkhdf. Throws OutputError.

@@ -26,7 +26,7 @@ auto corners(auto& box) {
 
 auto numbers(auto& f) {
     return std::tie(f.fines_unit, f.water_unit, f.fines_beyond, f.water_beyond, f.drained,
-                    f.updated_at, f.stale);
+                    f.updated_at, f.stale, f.is_fixed);
 }
 
 Box3 around(const Box3& a, const Box3& b) {
@@ -78,15 +78,14 @@ LocalFouling fouling_around(const Fouling& f, const Vec3& centre, double radius)
 
 void sample_bodies(World& world, const Fouling& f, const BodySpheres& bodies) {
     const auto radius = world.column<Bodies, BoundingRadius>();
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    const auto around = world.column<FouledBodies, FoulingAround>();
-    const auto pose = world.column<FouledBodies, SampledPose>();
-    for_chunks(rows.size(), 16, [&](std::size_t, std::size_t first, std::size_t last) {
-        for (std::size_t id = first; id < last; ++id) {
-            pose[id] = bodies.pose[id];
-            around[id] = bodies.has_spheres(id)
-                             ? fouling_around(f, bodies.pose[id].position, radius[rows[id]])
-                             : LocalFouling{};
+    const auto id = world.column<Bodies, BodyId>();
+    const auto around = world.column<Bodies, FoulingAround>();
+    const auto pose = world.column<Bodies, SampledPose>();
+    for_chunks(id.size(), 16, [&](std::size_t, std::size_t first, std::size_t last) {
+        for (std::size_t b = first; b < last; ++b) {
+            pose[b] = bodies.pose[id[b]];
+            around[b] = bodies.has_spheres(id[b]) ? fouling_around(f, pose[b].position, radius[b])
+                                                  : LocalFouling{};
         }
     });
 }
@@ -137,21 +136,12 @@ void add_fouling(World& world, const FoulingSettings& settings, const FoulingLaw
     f.region = {Vec3::Constant(infinity), Vec3::Constant(-infinity)}; // empty
     f.solid = SolidFraction(lattice_of(settings), static_cast<int>(settings.samples));
     f.updated_at = world.resource<Clock>().time();
-    Table& fouled = world.table<FouledBodies>();
-    fouled.add<FouledBodyId>();
-    fouled.add<FoulingAround>();
-    fouled.add<SampledPose>();
-    add_fouled_bodies(world);
+    Table& bodies = world.table<Bodies>();
+    bodies.add<FoulingAround>();
+    bodies.add<SampledPose>();
     world.add_resource(law);
     world.add_resource(Weakening{});
     world.add_resource(std::move(f));
-}
-
-void add_fouled_bodies(World& world) {
-    Table& fouled = world.table<FouledBodies>();
-    auto id = static_cast<EntityId>(fouled.size());
-    fouled.resize(world.table<Bodies>().size());
-    for (; id < fouled.size(); ++id) fouled.column<FouledBodyId>()[id] = id;
 }
 
 void prepare_voids(World& world) {
@@ -167,19 +157,17 @@ bool fouling_is_due(const World& world) {
     if (!f.is_checked(world.resource<Clock>().step)) return false;
     if (f.stale || f.settings.moves()) return true;
     const Table& bodies = world.table<Bodies>();
-    const auto id = bodies.column<BodyId>();
     const auto position = bodies.column<Position>();
     const auto radius = bodies.column<BoundingRadius>();
     const auto mass = bodies.column<Mass>();
-    const auto sampled = world.column<FouledBodies, SampledPose>();
+    const auto sampled = bodies.column<SampledPose>();
     const double farthest = f.settings.refresh * f.settings.voxel;
     const Quat* orientation =
         bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
-    for (Row b = 0; b < id.size(); ++b) {
+    for (Row b = 0; b < mass.size(); ++b) {
         if (!(mass[b] > 0)) continue; // boundaries do not fill voids
         const Quat q = orientation != nullptr ? orientation[b] : Quat(Quat::Identity());
-        if (!(displacement_bound(position[b], q, sampled[id[b]], radius[b]) <= farthest))
-            return true;
+        if (!(displacement_bound(position[b], q, sampled[b], radius[b]) <= farthest)) return true;
     }
     return false;
 }
@@ -200,7 +188,23 @@ void update_fouling(World& world, Fouling& f) {
     ++f.updates;
 }
 
+void fix_fouling(World& world) {
+    auto& f = world.resource<Fouling>();
+    require(!f.settings.moves(),
+            "fouling: expected fines and water that stay where they are, found ones that move");
+    f.blocks = {};
+    f.fines = f.water = {};
+    f.solid = {};
+    f.is_fixed = true;
+}
+
+bool has_fouling_fields(const World& world) {
+    return world.has_resource<Fouling>() && !world.resource<Fouling>().is_fixed;
+}
+
 Fouling present_fouling(const World& world) {
+    require(has_fouling_fields(world),
+            "fields: expected fields of fines, found bodies that keep the fouling around them");
     Fouling copy = world.resource<Fouling>();
     measure_voids(world, copy, spheres_of_bodies(world));
     return copy;

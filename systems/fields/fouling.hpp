@@ -53,25 +53,26 @@ struct Fouling {
     double drained = 0;                        ///< m3, has left through the base
     double updated_at = 0;                     ///< s
     bool stale = true;          ///< to be brought up to date at the beginning of the next step
+    bool is_fixed = false;      ///< the fields were given up (fix_fouling)
     SolidFraction solid;        ///< Derived, on the same blocks once it is up to date
     std::uint64_t revision = 0; ///< Derived: counts changes of what bodies see
     std::uint64_t updates = 0;  ///< Derived: for reports
 
     /// Whether a step looks if the fields must be brought up to date.
-    bool is_checked(std::uint64_t step) const { return stale || step % settings.check_every == 0; }
+    bool is_checked(std::uint64_t step) const {
+        return !is_fixed && (stale || step % settings.check_every == 0);
+    }
     void save(Archive& archive) const;
     void load(const Archive& archive);
 };
 
 /// A box without limits, for scenes that planes and membrane bound.
 Box3 unbounded();
-/// Adds empty fields and the table of fouled bodies to a scene with all its bodies; if it was
-/// started already, Simulation::prepare must be called. `box` bounds the fields together with
-/// planes and membrane. Throws InputError if settings are out of range.
+/// Adds empty fields to a scene, and to its bodies what they see of them; if it was started
+/// already, Simulation::prepare must be called. `box` bounds the fields together with planes and
+/// membrane. Throws InputError if settings are out of range.
 void add_fouling(World& world, const FoulingSettings& settings, const FoulingLaw& law = {},
                  const Box3& box = unbounded());
-/// Adds the bodies that came since to the table of fouled bodies.
-void add_fouled_bodies(World& world);
 /// Measures the voids of the present rocks. Throws InputError if planes, membrane and box do not
 /// bound the space, or if a rock lies outside it that is not fixed there, where it waits.
 void prepare_voids(World& world);
@@ -85,8 +86,15 @@ bool fouling_is_due(const World& world);
 /// takes up the fouling of the voids around it.
 void update_fouling(World& world, Fouling& fouling);
 
+/// From now on each body keeps the fouling around it, wherever it goes, and there are no fields any
+/// more: on ranks no step needs the whole world for them. Throws InputError if fines and water move
+/// by themselves.
+void fix_fouling(World& world);
+
+/// Whether a scene has fines and water whose fields were not given up.
+bool has_fouling_fields(const World& world);
 /// A copy of the fields on the voids that the rocks leave at present, for readers; the world stays
-/// as it is.
+/// as it is. Throws InputError if they were given up.
 Fouling present_fouling(const World& world);
 
 /// Measures of fouling of a whole specimen, of the part between two heights, or around a body.

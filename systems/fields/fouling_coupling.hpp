@@ -21,9 +21,8 @@ struct FoulingCoupling {
     class Factors {
     public:
         explicit Factors(const World& world)
-            : law_(world.resource<FoulingLaw>()),
-              around_(world.column<FouledBodies, FoulingAround>()) {}
-        ContactFactors of(EntityId a, EntityId b, bool between_rocks) const {
+            : law_(world.resource<FoulingLaw>()), around_(world.column<Bodies, FoulingAround>()) {}
+        ContactFactors of(Row a, Row b, bool between_rocks) const {
             LocalFouling at = around_[a];
             if (between_rocks)
                 at = {0.5 * (at.contaminant + around_[b].contaminant),

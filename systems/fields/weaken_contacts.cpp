@@ -20,20 +20,21 @@ class Coefficients {
 public:
     explicit Coefficients(const World& world)
         : materials_(world.resource<Materials>()), material_(world.column<Bodies, MaterialOf>()),
-          row_(rows_by_id(world.column<Bodies, BodyId>())) {
+          row_of_(world.column<Bodies, BodyId>()) {
         for_each_field_of(world, [&]<class F>() {
             std::get<std::optional<typename F::Factors>>(fields_).emplace(world);
         });
     }
     std::size_t pairs_of_materials() const { return materials_.pairs_of_materials(); }
-    WeakenedPair of(EntityId a, EntityId b, bool between_rocks) const {
+    WeakenedPair of(EntityId owner, EntityId partner, bool between_rocks) const {
+        const Row a = row_of_[owner], b = row_of_[partner];
         ContactFactors all;
         for_each_field([&]<class F>() {
             if (const auto& field = std::get<std::optional<typename F::Factors>>(fields_))
                 all.multiply(field->of(a, b, between_rocks));
         });
-        return {materials_.pair(material_[row_[a]], material_[row_[b]]), all.friction,
-                all.least_friction, all.stiffness};
+        return {materials_.pair(material_[a], material_[b]), all.friction, all.least_friction,
+                all.stiffness};
     }
 
 private:
@@ -42,7 +43,7 @@ private:
 
     const Materials& materials_;
     std::span<const std::uint32_t> material_;
-    std::vector<Row> row_; ///< by id
+    RowIndex row_of_;
     decltype(factors_of(CoupledFields{})) fields_;
 };
 

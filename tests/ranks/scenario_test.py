@@ -87,6 +87,7 @@ others = {
     "ballast_box": ["--rock-scale", "2", "--width", "0.26", "--cycles", "1", "--steps-per-cycle", "1000"],
     "ballast_box dynamic": ["--model", "dynamic", "--run", "II.3", "--rock-scale", "3", "--porosity", "0.45", "--cycles", "1", "--frequency", "10", "--fouling-voxel", "0.04"],
     "long_track": ["--bays", "4", "--rock-scale", "3", "--porosity", "0.45", "--duration", "0.02", "--beds", "none"],
+    "long_track mud": ["--bays", "3", "--run", "II.3", "--fouling-kind", "clay", "--fouling-voxel", "0.04", "--gap", "0.001", "--rock-scale", "3", "--porosity", "0.45", "--duration", "0.4", "--beds", "none"],
     "silo": ["--spheres", "600", "--diameter", "0.02", "--duration", "0.3", "--window", "0.05,0.2"],
     "drum": ["--small-spheres", "400", "--large-spheres", "100", "--small-radius", "0.004", "--large-radius", "0.008", "--duration", "0.05"],
 }

@@ -32,8 +32,7 @@ struct PassageRun {
         run.keep(samples);
     }
     void go() {
-        std::vector<Phase> phases = test.making_of_bed();
-        phases.push_back(test.seat());
+        std::vector<Phase> phases = test.bed_of_track();
         for (Phase& phase : passage_phases(test, run, settings, train, samples, actions))
             phases.push_back(std::move(phase));
         run.go(phases);

@@ -133,7 +133,9 @@ TEST_SUITE("ballast_box") {
         CHECK(wet.fingerprint() != one.fingerprint());
 
         // fines and water come to a track in use, which then loses its shoulder
-        SmallRun used(small_box("II.4"), 1, folder.path());
+        BallastBox filled = small_box("II.4");
+        filled.fines = "filled";
+        SmallRun used(filled, 1, folder.path());
         used.simulation.restore(made);
         std::vector<Phase> phases{used.test.seat()};
         double before = 0;

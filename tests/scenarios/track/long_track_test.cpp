@@ -1,14 +1,19 @@
 // Bays of ballast side by side, copies of one: what they do under one load is what it does.
 #include "components/boundary.hpp"
+#include "components/fouling.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
 #include "engine/ordering.hpp"
 #include "engine/run.hpp"
 #include "scenarios/ballast_box/box_run.hpp"
+#include "scenarios/ballast_box/passages.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/track/lay_bays.hpp"
+#include "scenarios/track/rail_over_bays.hpp"
+#include "systems/fields/fouling.hpp"
+#include "systems/loads/rail.hpp"
 #include "systems/output/balance.hpp"
 #include "tests/quiet_run.hpp"
 #include "tests/temporary_directory.hpp"
@@ -26,32 +31,46 @@ using namespace bris;
 namespace {
 
 const BallastBox small_bay{.model = "bay", .rock_scale = 3, .porosity = 0.45};
+const BallastBox bay_of_mud{.run = "II.3",
+                            .model = "bay",
+                            .rock_scale = 3,
+                            .porosity = 0.45,
+                            .fouling = {.kind = "clay", .settings = {.voxel = 0.04}}};
 
 /// A bay that was made once, for all tests.
 struct SeatedBay {
+    const BallastBox box;
     TemporaryDirectory folder;
     Common common = bris::testing::quiet_run("long_track", folder.path());
     Archive state;
-    SeatedBay() {
-        Simulation simulation = make_undivided_box(small_bay, common);
-        BoxTestRun test(simulation, small_bay, common.seed);
+    explicit SeatedBay(const BallastBox& of) : box(of) {
+        Simulation simulation = make_undivided_box(box, common);
+        BoxTestRun test(simulation, box, common.seed);
         Run run(simulation, common, "bay");
-        std::vector<Phase> phases = test.making_of_bed();
-        phases.push_back(test.seat());
-        run.go(phases);
+        run.go(test.bed_of_track());
         state = simulation.snapshot();
     }
-    Simulation track(unsigned bays, OwnBays own) const {
-        Simulation simulation = make_undivided_box(small_bay, common);
+    Simulation bay() const {
+        Simulation simulation = make_undivided_box(box, common);
+        if (fouling_of(box).any()) add_fields(simulation, box);
         simulation.restore(state);
+        set_materials(simulation.world(), {.friction = friction_of_stones(simulation.world())});
+        return simulation;
+    }
+    Simulation track(unsigned bays, OwnBays own) const {
+        Simulation simulation = bay();
         World& world = simulation.world();
-        set_materials(world);
+        if (world.has_resource<Fouling>()) fix_fouling(world);
         lay_bays(world, bays, own, static_cast<EntityId>(world.table<Bodies>().size()));
         simulation.prepare();
         return simulation;
     }
     static const SeatedBay& once() {
-        static const SeatedBay bay;
+        static const SeatedBay bay(small_bay);
+        return bay;
+    }
+    static const SeatedBay& of_mud() {
+        static const SeatedBay bay(bay_of_mud);
         return bay;
     }
 };
@@ -114,6 +133,68 @@ TEST_SUITE("track/bays") {
             for (const double z : heights(row))
                 CHECK(z == doctest::Approx(after).epsilon(1e-6 * (before - after)).scale(1));
         }
+    }
+
+    TEST_CASE("bays of mud are copies with the fines around each rock, which stay there, and do "
+              "what the one does by itself with its fields") {
+        constexpr unsigned steps = 1500;
+        const SeatedBay& mud = SeatedBay::of_mud();
+        Simulation alone = mud.bay();
+        alone.world().resource<Fouling>().settings.refresh = 1e6; // voxels
+        const double before = heights(alone).front();
+        load_all(alone, 40e3, steps);
+        const double deflection = before - heights(alone).front();
+        REQUIRE(deflection > 1e-4);
+        Simulation row = mud.track(3, {0, 3});
+        load_all(row, 40e3, steps);
+        for (const double z : heights(row))
+            CHECK(before - z == doctest::Approx(deflection).epsilon(1e-6));
+
+        const World& world = row.world();
+        const auto id = world.column<Bodies, BodyId>();
+        const auto around = world.column<Bodies, FoulingAround>();
+        const RowIndex row_of(id);
+        const EntityId bodies =
+            world.resource<BoxBodies>().ties[1] - world.resource<BoxBodies>().ties[0];
+        double largest = 0;
+        for (Row b = 0; b < id.size(); ++b) {
+            largest = std::max(largest, around[b].contaminant);
+            if (id[b] < bodies || row_of[id[b] % bodies] == no_row) continue;
+            CHECK(around[b].contaminant == around[row_of[id[b] % bodies]].contaminant);
+            CHECK(around[b].saturation == around[row_of[id[b] % bodies]].saturation);
+        }
+        CHECK(largest > 0.3);
+        CHECK_FALSE(world.resource<Materials>().weakened().empty());
+        CHECK_FALSE(has_fouling_fields(world));
+    }
+
+    TEST_CASE("ties that hang on the rail rest above the ballast by the gap, carried by the rail, "
+              "until a load closes it") {
+        constexpr double gap = 1e-3;
+        const BallastBox& box = SeatedBay::once().box;
+        Simulation simulation = SeatedBay::once().bay();
+        World& world = simulation.world();
+        const RailOnTies rails = rails_on(box, 120e6, usual_bed);
+        const double level = heights(simulation).front();
+        const EntityId once = add_ties_on_springs(world, rails, 2);
+        lay_bays(world, 2, {0, 2}, once);
+        lay_rail(world, rails, once);
+        hang_ties(world, gap);
+        simulation.prepare();
+        const auto of_rail = [&](EntityId tie) {
+            return value_of<RailForce>(simulation.world(), tie).force.z();
+        };
+        const auto& ties = world.resource<BoxBodies>().ties;
+        const double weight = 9.81 * value_of<Mass>(world, ties[0]) + 0.5 * dead_load;
+        simulation.advance(6000);
+        for (const double z : heights(simulation))
+            CHECK(z - level == doctest::Approx(gap).epsilon(1e-3));
+        CHECK(of_rail(ties[0]) == doctest::Approx(weight).epsilon(0.05)); // rocks hold its sides
+        // nothing else moves: the ties beside them carry their own weight and a part of the load
+        double sum = 0;
+        for (const RailSeat& seat : world.resource<Rails>().list.front().seats)
+            sum += of_rail(seat.tie);
+        CHECK(std::abs(sum) < 0.02 * weight);
     }
 
     TEST_CASE("rocks of a mirrored bay move as those of the first, in the mirror") {

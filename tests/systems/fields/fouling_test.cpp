@@ -1,3 +1,4 @@
+#include "engine/ordering.hpp"
 #include "engine/parallel.hpp"
 #include "engine/state.hpp"
 #include "scenarios/specimens/start.hpp"
@@ -34,7 +35,8 @@ Simulation started(World world, unsigned threads = 1, ListSettings lists = {}) {
 Archive mechanics(const Archive& state) {
     Archive some;
     for (const Archive::Array& array : state.arrays())
-        if (!array.path.starts_with("fields/") && !array.path.starts_with("fouled_bodies/"))
+        if (!array.path.starts_with("fields/") && array.path != "bodies/fouling" &&
+            array.path != "bodies/sampled_pose")
             some.put(Archive::Array(array));
     return some;
 }
@@ -161,12 +163,14 @@ TEST_SUITE("fields/fouling") {
         s.advance(5000);
         const World& world = std::as_const(s).world();
         const auto& materials = world.resource<Materials>();
-        const auto around = world.column<FouledBodies, FoulingAround>();
+        const auto around = world.column<Bodies, FoulingAround>();
+        const RowIndex row_of(world.column<Bodies, BodyId>());
         const auto pairs = touching_pairs<SpherePairs>(world);
         REQUIRE(pairs.size() > 20);
         const LawRow& clean = materials.linear_pairs[0];
         for (const TouchingPair& p : pairs) {
-            const LocalFouling &a = around[p.names.owner], &b = around[p.names.partner];
+            const LocalFouling &a = around[row_of[p.names.owner]],
+                               &b = around[row_of[p.names.partner]];
             const double vci = 0.5 * (a.contaminant + b.contaminant),
                          wet = 0.5 * (a.saturation + b.saturation), g = vci / (vci + 0.5);
             const LawRow& row = materials.linear_pairs[p.law];
@@ -177,6 +181,42 @@ TEST_SUITE("fields/fouling") {
             CHECK(row.ks / row.kn == doctest::Approx(clean.ks / clean.kn));
             CHECK(row.kn < 0.97 * clean.kn);
         }
+    }
+
+    TEST_CASE("fixed fines act on the contacts of each body wherever it goes, without fields") {
+        World world = fouled_bed({.p4 = 15, .p200 = 2, .saturation = 0.8});
+        update_fouling(world, world.resource<Fouling>());
+        fix_fouling(world);
+        std::vector<double> before;
+        for (const LocalFouling& at : world.column<Bodies, FoulingAround>())
+            before.push_back(at.contaminant);
+        const auto id = world.column<Bodies, BodyId>();
+        std::vector<double> by_id(id.size());
+        for (Row b = 0; b < id.size(); ++b) by_id[id[b]] = before[b];
+        for (Vec3& x : world.column<Bodies, Position>()) x += Vec3(2e-3, -1e-3, 1e-3);
+        Simulation s = started(std::move(world));
+        s.advance(200);
+        const World& now = std::as_const(s).world();
+        const auto around = now.column<Bodies, FoulingAround>();
+        const auto id_now = now.column<Bodies, BodyId>();
+        for (Row b = 0; b < around.size(); ++b) CHECK(around[b].contaminant == by_id[id_now[b]]);
+        CHECK(now.resource<Fouling>().updates == 1);
+        CHECK_FALSE(now.resource<Materials>().weakened().empty());
+        CHECK_FALSE(has_fouling_fields(now));
+        CHECK_THROWS_AS(present_fouling(now), InputError);
+
+        const Archive state = s.snapshot();
+        Simulation again = started(fouled_bed({.p4 = 15, .p200 = 2, .saturation = 0.8}));
+        again.restore(state);
+        again.advance(100);
+        s.advance(100);
+        CHECK(print_of(again) == print_of(s));
+
+        World moving = bed({.grains = Grains::clumps, .bodies = 40, .seed = 4});
+        FoulingSettings pumped = small;
+        pumped.pumping = 1e-3;
+        add_fouling(moving, pumped);
+        CHECK_THROWS_AS(fix_fouling(moving), InputError);
     }
 
     TEST_CASE("a film of fines is in series with the contact, and water softens it") {
