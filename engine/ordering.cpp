@@ -26,6 +26,12 @@ std::vector<Row> rows_by_id(std::span<const EntityId> ids) {
     return rows;
 }
 
+std::vector<Row> in_order_of_ids(std::span<const EntityId> ids) {
+    std::vector<Row> rows = rows_by_id(ids);
+    std::erase(rows, no_row);
+    return rows;
+}
+
 RowIndex::RowIndex(std::span<const EntityId> ids) {
     constexpr std::size_t sparse = 4; // times as many numbers as ids
     if (ids.empty()) return;

@@ -12,6 +12,8 @@ namespace bris {
 
 /// Row of each id: entry i is the row of id i, or no_row.
 std::vector<Row> rows_by_id(std::span<const EntityId> ids);
+/// The rows in the order of their ids, of which some may be missing.
+std::vector<Row> in_order_of_ids(std::span<const EntityId> ids);
 
 /// The row of each id, in memory for as many ids as there are, however large they are: of a part of
 /// a world, too.

@@ -105,7 +105,7 @@ double surface(const World& world, double reach) {
 double bed_height(const World& world) {
     double sum = 0, count = 0;
     const auto position = world.column<Bodies, Position>();
-    for (const Row b : rows_by_id(world.column<Bodies, BodyId>())) {
+    for (const Row b : in_order_of_ids(world.column<Bodies, BodyId>())) {
         if (world.column<Bodies, BodyId>()[b] <= ball) continue;
         sum += position[b].z() - box_floor;
         ++count;

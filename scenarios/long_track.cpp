@@ -194,7 +194,7 @@ Report summary_of(const LongTrack& t, Simulation& simulation, const TieRecords& 
 void check_options(const LongTrack& t, const Common&) {
     say_how_read(grading_named(t.box.grading));
     say_how_read(train_named(t.train));
-    if (t.first_train != "none") say_how_read(train_named(t.first_train, "--first-train"));
+    if (t.settles_bay()) say_how_read(train_named(t.first_train, "--first-train"));
     const RailOnTies rails = t.rails();
     require(rails.tie_support < rails.pad,
             fmt::format("--tie-support: expected less than the {:g} N/m of --pad-stiffness, of "
@@ -228,13 +228,11 @@ Outcome simulate(const LongTrack& t, const Common& common) {
         find_step(simulation, t);
     const World& part = simulation.divide_now();
     const double dt = part.resource<Clock>().dt;
-    const auto steps_in = [&](std::uint64_t passage) {
-        return steps_of(duration_of(t, part, passage), dt, "duration");
-    };
+    const std::uint64_t steps = steps_of(duration_of(t, part), dt, "duration");
     require(run.phase() < t.passages,
             fmt::format("--passages: expected at least the {} of the checkpoint, found {}",
                         run.phase() + 1, t.passages));
-    if (run.is_resumed()) run.require_steps_left(steps_in(run.phase() + 1), "duration");
+    if (run.is_resumed()) run.require_steps_left(steps, "duration");
     const auto sample = [&](Simulation& s, std::uint64_t) {
         s.observe();
         const World& world = s.observed();
@@ -254,7 +252,7 @@ Outcome simulate(const LongTrack& t, const Common& common) {
     for (unsigned number = 1; number <= t.passages; ++number)
         phases.push_back(run.timed(
             {.name = fmt::format("passage {}", number),
-             .steps = steps_in(number),
+             .steps = steps,
              .sample_every = std::max<std::uint64_t>(
                  1, static_cast<std::uint64_t>(std::llround(sample_interval(t.speed) / dt))),
              .sample = sample,

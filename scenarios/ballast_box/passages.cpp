@@ -46,16 +46,21 @@ void add_sample(const World& world, unsigned number, SeriesOf<PassageSample>& sa
                  .unbalanced_ratio = balance.unbalanced_ratio});
 }
 
+/// Where what happens in a passage goes.
+struct Records {
+    SeriesOf<PassageSample>* samples = nullptr;
+    const PassageActions* actions = nullptr;
+};
+
 /// A train that passes; number 0: the first train, of which nothing is recorded.
 Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& train, double speed,
-           unsigned number, SeriesOf<PassageSample>& samples, const PassageActions& actions,
-           const Run& run) {
+           unsigned number, Records to, const Run& run) {
     const auto duration_in = [=](const World& world) {
         return passing_time(train, speed, settings.rails(world));
     };
     const bool hangs = settings.gap > 0 && number > 0;
     return {.advance =
-                [=, &test, &samples, &actions, &run](Simulation& s) {
+                [=, &test, &run](Simulation& s) {
                     World& world = s.world();
                     const double duration = duration_in(world);
                     const std::uint64_t steps = steps_per_sample(world);
@@ -67,13 +72,13 @@ Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& tr
                         if (world.resource<BoxState>().pressed_support == 0 &&
                             since(world) >= last_axle)
                             note_pressed_tie(world);
-                        if (number > 0) add_sample(world, number, samples);
+                        if (number > 0) add_sample(world, number, *to.samples);
                         if (number > 0 && run.steps_in_phase() / steps % samples_per_frame == 0)
-                            actions.frame();
+                            to.actions->frame();
                         if (since(world) < duration) return true;
                     }
                     if (!hangs) note_bed_stiffness(world, test.sizes().share);
-                    if (number > 0) actions.completed(number);
+                    if (number > 0) to.actions->completed(number);
                     return false;
                 },
             .progress =
@@ -148,13 +153,16 @@ RailOnTies TrackPassage::rails(const World& world) const {
     return rails_on(box, pad_stiffness, measured > 0 ? measured : usual_bed);
 }
 
+Phase first_passage(const BoxTestRun& test, const Run& run, const TrackPassage& settings) {
+    return pass(test, settings, train_named(settings.first_train, "--first-train"),
+                settings.speed_of(settings.first_train), 0, {}, run);
+}
+
 std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
                                   const TrackPassage& settings, const Train& train,
                                   SeriesOf<PassageSample>& samples, const PassageActions& actions) {
     std::vector<Phase> phases;
-    if (settings.first_train != "none")
-        phases.push_back(pass(test, settings, train_named(settings.first_train, "--first-train"),
-                              settings.speed_of(settings.first_train), 0, samples, actions, run));
+    if (settings.first_train != "none") phases.push_back(first_passage(test, run, settings));
     Phase save = save_bed(run, actions.bed_saved);
     save.begin = [&test](Simulation& s) { test.note_bed(s.world()); };
     phases.push_back(std::move(save));
@@ -163,7 +171,7 @@ std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
     phases.push_back(find_contacts());
     for (unsigned number = 1; number <= settings.passages; ++number)
         phases.push_back(
-            pass(test, settings, train, settings.train_speed(), number, samples, actions, run));
+            pass(test, settings, train, settings.train_speed(), number, {&samples, &actions}, run));
     return phases;
 }
 

@@ -58,6 +58,10 @@ struct PassageActions {
     std::function<void()> bed_saved = {};
 };
 
+/// The first train of `settings` passes over the bed, which nothing records. All references must
+/// outlive the phase.
+Phase first_passage(const BoxTestRun& test, const Run& run, const TrackPassage& settings);
+
 /// The phases after the bed of a track was made: the first train passes, if there is one, the bed
 /// is saved as bed.ckpt.h5, it changes in use as the run asks, the tie is hung up if there is to be
 /// a gap, then the train passes `passages` times. `samples` has passage_columns(). All references

@@ -133,7 +133,7 @@ void check_scene(const World& world, LawName law) {
     const Table& bodies = world.table<Bodies>();
     require(bodies.size() > 0, "scene: expected at least one body, found none");
     const auto material = bodies.column<MaterialOf>();
-    const auto rows = rows_by_id(bodies.column<BodyId>());
+    const auto rows = in_order_of_ids(bodies.column<BodyId>());
     const auto& all = world.resource<Materials>();
     const auto& materials = all.list;
     for (const Row b : rows)

@@ -121,7 +121,7 @@ struct Fastest {
 Fastest fastest_of(const World& world) {
     const Table& bodies = world.table<Bodies>();
     Fastest fastest;
-    for (const Row b : rows_by_id(bodies.column<BodyId>()))
+    for (const Row b : in_order_of_ids(bodies.column<BodyId>()))
         if (is_free(bodies, b) && bodies.column<Velocity>()[b].norm() > fastest.speed)
             fastest = {bodies.column<Velocity>()[b].norm(), bodies.column<BodyId>()[b]};
     return fastest;
@@ -130,7 +130,7 @@ Fastest fastest_of(const World& world) {
 /// The first free body outside the box of the scene, or nobody.
 EntityId escaped(const World& world, const Limits& limits) {
     const Table& bodies = world.table<Bodies>();
-    for (const Row b : rows_by_id(bodies.column<BodyId>())) {
+    for (const Row b : in_order_of_ids(bodies.column<BodyId>())) {
         const Vec3& x = bodies.column<Position>()[b];
         const bool inside =
             (x.array() >= limits.low.array()).all() && (x.array() <= limits.high.array()).all();

@@ -38,18 +38,28 @@ bool ends_in_bay(const std::filesystem::path& resume) {
            !std::filesystem::exists(resume / "long_track.ckpt.h5");
 }
 
+/// Settings on which the bed does not depend.
+std::vector<std::string_view> settings_after_bed(const LongTrack& t, const Common& common) {
+    std::vector<std::string_view> keys = settings_of_state(t.box, common);
+    keys.insert(keys.end(), {"bays", "passages", "train", "speed_m_per_s", "duration_s", "gap_m",
+                             "restitution", "step_fraction"});
+    if (!t.settles_bay())
+        keys.insert(keys.end(),
+                    {"pad_stiffness_N_per_m", "rail_bending_N_m2", "tie_support_N_per_m"});
+    return keys;
+}
+
 /// In the folder of results, from which the bay's files are removed once it is made.
 void make_bay(Simulation& simulation, const LongTrack& t, const Common& common) {
     BoxTestRun test(simulation, t.box, common.seed);
-    std::vector<std::string_view> after_bed = settings_of_state(t.box, common);
-    after_bed.insert(after_bed.end(),
-                     {"bays", "passages", "train", "first_train", "speed_m_per_s", "duration_s",
-                      "gap_m", "pad_stiffness_N_per_m", "restitution", "step_fraction",
-                      "rail_bending_N_m2", "tie_support_N_per_m"});
+    const std::vector<std::string_view> after_bed = settings_after_bed(t, common);
     Run run(simulation, common, bay_name);
     const BoxBed bed(simulation, common, after_bed);
     bed.begin(run, simulation, t.box, after_bed);
     std::vector<Phase> phases = test.bed_of_track();
+    const TrackPassage settling{
+        .box = t.box, .first_train = t.first_train, .pad_stiffness = t.pad_stiffness};
+    if (t.settles_bay()) phases.push_back(first_passage(test, run, settling));
     phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
     for (Phase& phase : test.changes_in_use()) phases.push_back(std::move(phase));
     run.go(phases);
@@ -146,13 +156,12 @@ void find_step(Simulation& simulation, const LongTrack& t) {
 void begin_passage(Simulation& simulation, const LongTrack& t, std::uint64_t passage) {
     World& world = simulation.divide_now();
     if (passage == t.passages && t.gap > 0) hang_ties(world, t.gap);
-    begin_train(world, train_named(t.train_of(passage)), t.speed);
+    begin_train(world, train_named(t.train), t.speed);
     start_recording(world);
 }
 
-double duration_of(const LongTrack& t, const World& world, std::uint64_t passage) {
-    return t.duration > 0 ? t.duration
-                          : time_on_rail(world, train_named(t.train_of(passage)), t.speed);
+double duration_of(const LongTrack& t, const World& world) {
+    return t.duration > 0 ? t.duration : time_on_rail(world, train_named(t.train), t.speed);
 }
 
 } // namespace bris

@@ -16,10 +16,7 @@ struct LongTrack {
     double speed = 31.3, duration = 0, pad_stiffness = 120e6, gap = 0;
 
     void declare_options(auto& option);
-    /// Name of the train of a passage, which count from 1.
-    const std::string& train_of(std::uint64_t passage) const {
-        return passage == 1 && first_train != "none" ? first_train : train;
-    }
+    bool settles_bay() const { return first_train != "none"; }
     /// Of the ties on springs beyond the ballast.
     RailOnTies rails() const { return rails_on(box, pad_stiffness, usual_bed); }
 };
@@ -41,7 +38,7 @@ void find_step(Simulation& simulation, const LongTrack& track);
 void begin_passage(Simulation& simulation, const LongTrack& track, std::uint64_t passage);
 
 /// s, simulated time of a passage: as given, or until the last axle has left the rail.
-double duration_of(const LongTrack& track, const World& world, std::uint64_t passage);
+double duration_of(const LongTrack& track, const World& world);
 
 void LongTrack::declare_options(auto& option) {
     option.group("Track");
@@ -63,11 +60,12 @@ void LongTrack::declare_options(auto& option) {
            "a CSV file with the columns position_m and axle_load_kN.");
     option("speed", speed, "m/s", "Speed of the train.", within(0.1, 120));
     option("passages", passages, "",
-           "Passages one after the other; the first one on a new bed settles it, and the sensors "
-           "record the last one.",
+           "Passages of the train one after the other, of which the sensors record the last one.",
            within(1, 1000));
-    option("first_train", first_train, "",
-           "Train of the first passage, at the same speed. none: the same train.");
+    option(
+        "first_train", first_train, "",
+        "Train that passes once over the bay by itself to settle it, before it is copied: at 31.3 "
+        "m/s if it is passenger, else at 20 m/s. none: no such train.");
     option(
         "duration", duration, "s",
         "Simulated time of a passage, from the first axle on the rail on, which begins some 11 m "

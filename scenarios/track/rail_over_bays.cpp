@@ -123,11 +123,15 @@ void hang_ties(World& world, double gap) {
     for (Eigen::Index i = 0; i < n; ++i) {
         RailSeat& seat = rail.seats[static_cast<std::size_t>(i)];
         const Row row = row_of[seat.tie];
-        if (!hangs(seat)) continue;
         double& height = world.column<Bodies, Position>()[row].z();
-        height += gap;
         const Vec3 arm = world.column<Bodies, Orientation>()[row] * seat.point;
-        seat.point.z() -= height + arm.z() - rail.level - u[i];
+        const double above = height + arm.z() - rail.level - u[i]; // the seat, for now
+        if (hangs(seat)) {
+            height += gap;
+            seat.point.z() -= gap + above;
+        } else {
+            height -= above;
+        }
     }
     invalidate_lists(world);
 }

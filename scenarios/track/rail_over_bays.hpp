@@ -15,8 +15,8 @@ EntityId add_ties_on_springs(World& world, const RailOnTies& rails, unsigned bay
 /// are, so that it pushes nowhere. `first`: id of the first tie on springs.
 void lay_rail(World& world, const RailOnTies& rails, EntityId first);
 
-/// Lifts the ties on ballast by `gap` (m, > 0) and hangs them on the rail, so that they stay there
-/// once it has sagged under their weights, which ties on springs carry.
+/// Lifts the ties on ballast by `gap` (m, > 0) and hangs them on the rail, at rest: it sags under
+/// their weights, which the ties on springs carry.
 void hang_ties(World& world, double gap);
 
 /// A train begins to pass: its first axle is above the first tie at the present time.

@@ -64,7 +64,7 @@ void for_voxels_of(const Lattice& lattice, const Vec3& from, const Vec3& to, Vis
 }
 
 void add_motion(const World& world, CoarseFields& c, std::array<VoxelField, 3>& momentum) {
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    const auto rows = in_order_of_ids(world.column<Bodies, BodyId>());
     const auto mass = world.column<Bodies, Mass>();
     const auto position = world.column<Bodies, Position>();
     const auto velocity = world.column<Bodies, Velocity>(),

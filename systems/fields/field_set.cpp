@@ -34,7 +34,7 @@ double mean_radius(const World& world) {
     const auto mass = world.column<Bodies, Mass>();
     const auto radius = world.column<Bodies, BoundingRadius>();
     double sum = 0, count = 0;
-    for (const Row r : rows_by_id(world.column<Bodies, BodyId>()))
+    for (const Row r : in_order_of_ids(world.column<Bodies, BodyId>()))
         if (mass[r] > 0) sum += radius[r], ++count;
     return count > 0 ? sum / count : 0;
 }

@@ -2,7 +2,6 @@
 
 #include "components/kinds.hpp"
 #include "engine/errors.hpp"
-#include "engine/ordering.hpp"
 #include "engine/parallel.hpp"
 #include "systems/fields/capacity.hpp"
 #include "systems/fields/displace.hpp"
@@ -78,14 +77,14 @@ LocalFouling fouling_around(const Fouling& f, const Vec3& centre, double radius)
 
 void sample_bodies(World& world, const Fouling& f, const BodySpheres& bodies) {
     const auto radius = world.column<Bodies, BoundingRadius>();
-    const auto id = world.column<Bodies, BodyId>();
     const auto around = world.column<Bodies, FoulingAround>();
     const auto pose = world.column<Bodies, SampledPose>();
-    for_chunks(id.size(), 16, [&](std::size_t, std::size_t first, std::size_t last) {
+    for_chunks(bodies.bodies(), 16, [&](std::size_t, std::size_t first, std::size_t last) {
         for (std::size_t b = first; b < last; ++b) {
-            pose[b] = bodies.pose[id[b]];
-            around[b] = bodies.has_spheres(id[b]) ? fouling_around(f, pose[b].position, radius[b])
-                                                  : LocalFouling{};
+            const Row r = bodies.row[b];
+            pose[r] = bodies.pose[b];
+            around[r] = bodies.has_spheres(b) ? fouling_around(f, pose[r].position, radius[r])
+                                              : LocalFouling{};
         }
     });
 }
@@ -108,18 +107,18 @@ void check(const FoulingSettings& s) {
 
 /// Throws InputError if a rock lies outside the space of the fields and does not wait there.
 void require_covered(const World& world, const BodySpheres& bodies, const Box3& bounds) {
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto motion = world.column<Bodies, MotionOf>();
     for (std::size_t b = 0; b < bodies.bodies(); ++b) {
-        const bool waits = motion[rows[b]] == static_cast<std::uint32_t>(Motion::fixed);
+        const bool waits = motion[bodies.row[b]] == static_cast<std::uint32_t>(Motion::fixed);
         if (!bodies.has_spheres(b) || waits) continue;
         const Vec3& x = bodies.pose[b].position;
         require((x.array() >= bounds.low.array()).all() && (x.array() <= bounds.high.array()).all(),
                 fmt::format("fields: expected a space that covers all rocks, found body {} at "
                             "({:.4g}, {:.4g}, {:.4g}) m outside ({:.4g}, {:.4g}, {:.4g}) to "
                             "({:.4g}, {:.4g}, {:.4g}) m",
-                            b, x.x(), x.y(), x.z(), bounds.low.x(), bounds.low.y(), bounds.low.z(),
-                            bounds.high.x(), bounds.high.y(), bounds.high.z()));
+                            world.column<Bodies, BodyId>()[bodies.row[b]], x.x(), x.y(), x.z(),
+                            bounds.low.x(), bounds.low.y(), bounds.low.z(), bounds.high.x(),
+                            bounds.high.y(), bounds.high.z()));
     }
 }
 

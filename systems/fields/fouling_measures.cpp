@@ -1,5 +1,4 @@
 #include "components/kinds.hpp"
-#include "engine/ordering.hpp"
 #include "systems/fields/fouling.hpp"
 
 #include <limits>
@@ -31,12 +30,11 @@ FoulingMeasures measure_fouling(const World& world, const Fouling& present, doub
     const BodySpheres bodies = spheres_of_bodies(world);
     double bottom = std::numeric_limits<double>::infinity(), top = -bottom;
     double mass = 0, volume = 0;
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    for (std::size_t b = 0; b < rows.size(); ++b) {
+    for (std::size_t b = 0; b < bodies.bodies(); ++b) {
         if (!bodies.has_spheres(b)) continue;
         bottom = std::min(bottom, bodies.box[b].low.z());
         top = std::max(top, bodies.box[b].high.z());
-        mass += world.column<Bodies, Mass>()[rows[b]];
+        mass += world.column<Bodies, Mass>()[bodies.row[b]];
     }
     FoulingMeasures m;
     const VoxelBlocks& blocks = present.blocks;

@@ -2,7 +2,6 @@
 
 #include "components/kinds.hpp"
 #include "engine/errors.hpp"
-#include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "systems/fields/capacity.hpp"
 #include "systems/fields/displace.hpp"
@@ -27,16 +26,15 @@ struct Ballast {
 Ballast ballast_of(const World& world) {
     const Box3& space = world.resource<Fouling>().region;
     const BodySpheres bodies = spheres_of_bodies(world);
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     Ballast all;
-    for (std::size_t b = 0; b < rows.size(); ++b) {
+    for (std::size_t b = 0; b < bodies.bodies(); ++b) {
         const Vec3& x = bodies.pose[b].position;
         if (!bodies.has_spheres(b) || (x.array() < space.low.array()).any() ||
             (x.array() > space.high.array()).any())
             continue;
         all.box.low = all.box.low.cwiseMin(bodies.box[b].low);
         all.box.high = all.box.high.cwiseMax(bodies.box[b].high);
-        all.mass += world.column<Bodies, Mass>()[rows[b]];
+        all.mass += world.column<Bodies, Mass>()[bodies.row[b]];
     }
     all.low = all.box.low.z();
     all.high = all.box.high.z();
