@@ -16,6 +16,7 @@
 #include "engine/run.hpp"
 #include "scenarios/ballast_box/load_band.hpp"
 #include "scenarios/monitoring/sensor_levels.hpp"
+#include "scenarios/monitoring/tie_fit.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/last_quantities.hpp"
 #include "scenarios/specimens/recorded_motion.hpp"
@@ -54,6 +55,22 @@ struct TrackSample {
 /// s: an axle moves a quarter of the distance of two ties at most.
 double sample_interval(double speed) { return std::min(5e-3, tie_spacing / (4 * speed)); }
 
+/// What the sensor on the tie alone says of its deflection and void, by the train that is known.
+void add_tie_fit(Report& summary, const LongTrack& t, const Recording& of_tie) {
+    const PassingTrain passing{train_named(t.train), t.speed, t.rails(), dead_load};
+    const TieFit fit = fit_tie(of_tie, passing);
+    if (!fit.impossible_because.empty())
+        return say("no deflection from the sensor on the tie: " + fit.impossible_because);
+    const auto add = [&](const char* name, const Estimate& estimate) {
+        summary.add(fmt::format("{}_by_sensor_mm", name), 1e3 * estimate.value);
+        summary.add(fmt::format("{}_by_sensor_low_mm", name), 1e3 * estimate.low);
+        summary.add(fmt::format("{}_by_sensor_high_mm", name), 1e3 * estimate.high);
+    };
+    add("deflection_of_middle_tie", fit.deflection);
+    add("void_of_middle_tie", fit.gap);
+    summary.add("share_left_by_sensor_fit", fit.left);
+}
+
 /// What the sensor rocks of the middle bay and the sensor on its tie recorded in the last passage.
 void add_recordings(Report& summary, const LongTrack& t, const World& world, const Common& common) {
     const std::vector<Recording> recordings = recordings_of(world),
@@ -73,6 +90,7 @@ void add_recordings(Report& summary, const LongTrack& t, const World& world, con
         write_sensor_info(common.out / fmt::format("rock_{:02}.txt", k + 1), recordings[k].info);
     }
     if (!impossible.empty()) say("no levels of the sensors: " + impossible);
+    add_tie_fit(summary, t, recordings.back());
     write_recordings(common.out / "recordings.csv", recordings,
                      {"Recorded by the sensor rocks of the middle bay of a track, and last by the "
                       "sensor on its tie, in the last passage; the pose in rock_NN.txt is that at "

@@ -1,19 +1,11 @@
 #pragma once
 
-#include "scenarios/ballast_box/train.hpp"
+#include "scenarios/monitoring/passing_pattern.hpp"
 
 #include <span>
 #include <string>
 
 namespace bris {
-
-/// A train that passes at a constant speed over a tie.
-struct PassingTrain {
-    Train train;
-    double speed;     ///< m/s
-    RailOnTies rails; ///< that distribute its load
-    double dead_load; ///< N, of rails and fastenings on the tie
-};
 
 /// How well the vertical acceleration of a rock fits a passing train.
 struct TrainFit {

@@ -15,17 +15,16 @@ inline double hardening_displacement(double load) {
     return 1e-8 * force / (1 + 0.2 * force / 100e3);
 }
 
-/// The recording of such a rock by a device (imu_preset) under a train, from `early` + 1 s before
-/// the load to a second after it. The rock settles by 0.1 mm and tilts by `tilt` (rad) in the
-/// middle of the passage.
+/// The recording of such a rock by a device (imu_preset) under a train, or of what has another
+/// `displacement` (m, downwards) under that load, from `early` + 1 s before the load to a second
+/// after it. It settles by 0.1 mm and tilts by `tilt` (rad) in the middle of the passage.
 inline Recording recording_under(const LoadHistory& load, const char* device, std::uint64_t seed,
-                                 unsigned id = 1, double tilt = 0, double early = 0) {
+                                 unsigned id = 1, double tilt = 0, double early = 0,
+                                 double (*displacement)(double) = hardening_displacement) {
     constexpr double h = 4e-3; // s
     const double half = 0.5 * load.times.back();
     const auto share = [&](double t) { return 1 / (1 + std::exp(-(t - half) / 0.3)); };
-    const auto height = [&](double t) {
-        return -hardening_displacement(load.at(t)) - 1e-4 * share(t);
-    };
+    const auto height = [&](double t) { return -displacement(load.at(t)) - 1e-4 * share(t); };
     RecordingImu recorder{Imu(imu_preset(device), Vec3(0, 0, -9.81), seed, id)};
     const Quat tilted(Eigen::AngleAxisd(0.7, Vec3(1, 2, 0).normalized()));
     const double step = 1 / recorder.imu.model().rate;
