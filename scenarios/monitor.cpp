@@ -16,6 +16,7 @@
 #include "scenarios/monitoring/site_folder.hpp"
 #include "scenarios/monitoring/site_verdict.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
+#include "scenarios/monitoring/tie_table.hpp"
 #include "scenarios/stream/run_broker.hpp"
 
 #include <fmt/format.h>
@@ -42,6 +43,7 @@ struct Monitor {
     unsigned example_passages = 3;
     SyntheticVibration synthetic;
     MonitorSettings settings;
+    TieSettings ties;
     PassageStreamSettings of_stream;
     RunBrokerSettings broker;
     double speed = 0;
@@ -105,6 +107,7 @@ struct Monitor {
                within(2, 3600));
         option.group("Comparison");
         settings.declare_options(option);
+        ties.declare_options(option);
         option.group("Result");
         option("plan", plan, "",
                "Only say which lasting changes the sensors of --baseline would find: by how many "
@@ -250,7 +253,7 @@ void plan(const std::vector<SensorBaseline>& baselines, const MonitorSettings& s
 class MonitorRun {
 public:
     MonitorRun(const Monitor& monitor, const Common& common)
-        : m_(monitor), common_(common), settings_(monitor.settings) {}
+        : m_(monitor), common_(common), settings_(monitor.settings), ties_(monitor.ties) {}
 
     void run() {
         check(m_, common_);
@@ -273,6 +276,7 @@ public:
             [&](const std::function<void(Passage &&)>& take) {
                 for_each(baseline, [&](Passage&& passage) {
                     for (const Recording& r : passage.recordings) infos_.emplace(r.info.id, r.info);
+                    ties_.add(passage, true);
                     take(std::move(passage));
                 });
             },
@@ -367,10 +371,12 @@ private:
 
     void take(const Passage& passage) {
         recorded_ += recorded_time(passage);
+        ties_.add(passage, false);
         add(judge_passage(passage, baselines_, settings_));
     }
 
     void take(const StreamPassage& given) {
+        if (given.is_final) ties_.add(given.passage, false);
         PassageResult result = judge_passage(given.passage, baselines_, settings_);
         result.id = given.id;
         result.revision = given.revision;
@@ -459,6 +465,7 @@ private:
         draw_pictures(common_.out, all);
         Report summary;
         add_results(summary, all);
+        ties_.write(common_.out, summary);
         const double used = processor_time() - began_;
         summary.add("recorded_time_s", recorded_);
         summary.add("processor_time_s", used);
@@ -468,14 +475,15 @@ private:
             fmt::format("The page for people is {}.", (common_.out / "monitor.html").string()));
         report_results(common_, summary);
         if (m_.required != "all") return;
-        if (const std::string left = not_judged(all); !left.empty())
-            throw NotJudged("--require all: " + left);
+        for (const std::string& left : {not_judged(all), ties_.not_judged()})
+            if (!left.empty()) throw NotJudged("--require all: " + left);
     }
 
     std::optional<SavesWhenInterrupted> saves_; // until the files below are closed
     const Monitor& m_;
     const Common& common_;
     MonitorSettings settings_;
+    TieTable ties_;
     std::string what_, baseline_, stream_report_, notes_;
     std::map<unsigned, SensorInfo> infos_; // of the sensors in the baseline
     std::optional<StreamCounts> records_;  // of a stream

@@ -1,8 +1,12 @@
 // What a sensor on a tie says of its deflection and of the void below it.
+#include "engine/errors.hpp"
 #include "scenarios/monitoring/tie_fit.hpp"
+#include "scenarios/monitoring/tie_table.hpp"
 #include "tests/scenarios/monitoring/passing_rock.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 using namespace bris;
 using namespace bris::testing;
@@ -62,6 +66,46 @@ TEST_SUITE("monitoring/tie_fit") {
         LoadHistory still = deflection_of_tie(stated.train, 20, 0);
         for (double& w : still.values) w = 0;
         CHECK(fit_of(still, stated, 2).impossible_because != "");
+    }
+
+    TEST_CASE(
+        "the table of ties has medians now and before, counts what tells nothing, and names a "
+        "sensor that recorded nothing") {
+        const Train train = train_named("inspection");
+        const auto passage = [&](const char* name, double gap, std::uint64_t seed) {
+            return Passage{
+                .name = name,
+                .recordings = {recording_under(deflection_of_tie(train, 15, gap), "smartrock-like",
+                                               seed, 4, 0, 1, [](double w) { return w; })},
+                .cause = {.numbers = {{"speed_m_s", 15.3}}}};
+        };
+        TieSettings settings;
+        settings.sensors = {4};
+        settings.train = "inspection";
+        TieTable table(settings); // at 31.3 m/s, where the passage says nothing else
+        for (std::uint64_t k = 1; k <= 3; ++k) table.add(passage("before", 0, k), true);
+        table.add(passage("now", 1.5e-3, 9), false);
+        CHECK(table.not_judged() == "");
+        Passage noisy = passage("noise", 0, 10);
+        for (Vec3& force : noisy.recordings.front().force) force = Vec3(0, 0, 9.81);
+        table.add(noisy, false);
+        CHECK(table.not_judged().find("sensor 4 in noise") != std::string::npos);
+        const TemporaryDirectory folder;
+        Report summary;
+        table.write(folder.path(), summary);
+        const auto numbers = nlohmann::json::parse(summary.json());
+        CHECK(numbers["sensor_4_tie_void_mm"].get<double>() -
+                  numbers["sensor_4_baseline_tie_void_mm"].get<double>() ==
+              doctest::Approx(1.5).epsilon(0.3));
+        CHECK(numbers["sensor_4_tie_deflection_mm"].get<double>() >
+              1.15 * numbers["sensor_4_baseline_tie_deflection_mm"].get<double>());
+        CHECK(numbers["sensor_4_passages_without_deflection"] == 1);
+        CHECK(numbers["sensor_4_baseline_passages_without_deflection"] == 0);
+        CHECK(std::filesystem::exists(folder / "ties.csv"));
+        settings.sensors = {5};
+        TieTable none(settings);
+        none.add(passage("now", 0, 1), false);
+        CHECK_THROWS_AS(none.write(folder.path(), summary), InputError);
     }
 
     TEST_CASE("a recording that is shorter than the train is refused") {
