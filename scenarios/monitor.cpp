@@ -176,6 +176,8 @@ void check(const Monitor& m, const Common& common) {
             fmt::format(
                 "--baseline: expected none, since '{}' has judged passages by its own, found {}",
                 m.site.string(), m.baseline.paths));
+    require(m.ties.sensors.empty() || !m.plan,
+            "--tie-sensors: expected none with --plan, which judges nothing, found some");
     require(m.stream.empty() || m.recordings.paths.empty(),
             "--stream, --recordings: expected one of the two, found both");
     const bool given =
@@ -281,6 +283,7 @@ public:
                 });
             },
             settings_);
+        ties_.require_in_baseline();
         const bool has_recordings =
             !recordings.paths.empty() || !m_.stream.empty() || !m_.broker.client.address.empty();
         if (m_.plan || !has_recordings) return plan(baselines_, settings_, common_);

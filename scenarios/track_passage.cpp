@@ -169,12 +169,14 @@ void run(const TrackPassage& t, const Common& common) {
     Run run(simulation, common, "track_passage");
     run.keep(samples);
     run.keep(last);
-    // the finished bed serves any train and state
+    // the finished bed serves any train, and any state if it is not mixed with fines
     std::vector<std::string_view> after_bed = settings_of_state(t.box, common);
     after_bed.insert(after_bed.end(),
-                     {"passages", "train", "speed_m_per_s", "gap_m", "restitution", "step_fraction",
-                      "sensor_density_kg_per_m3", "sensor_friction"});
-    const BoxBed bed(simulation, common, after_bed);
+                     {"passages", "train", "gap_m", "sensor_density_kg_per_m3", "sensor_friction"});
+    std::vector<std::string_view> of_first_train{"speed_m_per_s", "restitution", "step_fraction"};
+    if (t.first_train == "none")
+        after_bed.insert(after_bed.end(), of_first_train.begin(), of_first_train.end());
+    const BoxBed bed(simulation, common, after_bed, of_first_train);
     bed.begin(run, simulation, t.box, {"passages"});
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,
                        t.box.written.extras());

@@ -114,14 +114,14 @@ std::vector<Phase> BoxTestRun::seating() const {
 
 std::vector<Phase> BoxTestRun::bed_of_track() const {
     std::vector<Phase> phases = making_of_bed();
-    if (is_fouled() && box_.is_mixed()) phases.push_back(foul_bed());
+    if (is_made_fouled()) phases.push_back(foul_bed());
     phases.push_back(seat());
     return phases;
 }
 
 std::vector<Phase> BoxTestRun::changes_in_use() const {
     std::vector<Phase> phases;
-    if (!box_.is_mixed() && (is_fouled() || is_wet())) phases.push_back(foul_track());
+    if (!is_made_fouled() && (is_fouled() || is_wet())) phases.push_back(foul_track());
     if (!box_test(box_.run).confined) phases.push_back(remove_shoulder());
     return phases;
 }

@@ -19,7 +19,7 @@ class BoxTestRun {
 public:
     BoxTestRun(Simulation& simulation, const BallastBox& box, std::uint64_t seed);
 
-    /// The bed is made in the same way for all runs of table 1.
+    /// The bed is made in the same way for all runs of table 1, if it is not mixed with fines.
     std::vector<Phase> making_of_bed() const;
     /// Fines and water are put into the bed, the ties are seated, the shoulder is removed, as far
     /// as the run asks for it.
@@ -59,6 +59,8 @@ private:
     Phase remove_shoulder() const;
     bool is_fouled() const { return fouling_of(box_).any(); }
     bool is_wet() const { return box_test(box_.run).wet; }
+    /// Fines, and with them water, are in the bed when it is made.
+    bool is_made_fouled() const { return box_.is_mixed() && is_fouled(); }
 
     /// Ends the scaling of masses with which the bed is made.
     void take_true_masses(World& world) const;

@@ -232,7 +232,7 @@ Phase BoxTestRun::compact(std::size_t course) const {
                 },
             .begin =
                 [this, lift](Simulation& s) {
-                    if (box_.is_mixed() && is_fouled()) mix_fines(s);
+                    if (is_made_fouled()) mix_fines(s);
                     begin_compaction(s.world(), lift);
                 }};
 }

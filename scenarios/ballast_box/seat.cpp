@@ -159,8 +159,8 @@ void add_fields(Simulation& simulation, const BallastBox& box) {
 // the ties are laid on the ballast and loaded as at the beginning of the cycles
 void BoxTestRun::place_ties(Simulation& s) const {
     World& world = s.world();
-    const bool in_use = box_.is_bay() && !box_.is_mixed(); // then water comes to the track
-    if (is_wet() && !in_use) wet_stones(world);
+    // to a track in use water comes later
+    if (is_wet() && (!box_.is_bay() || is_made_fouled())) wet_stones(world);
     const auto& ties = world.resource<BoxBodies>().ties;
     for (std::size_t k = 0; k < ties.size(); ++k) {
         const Vec3 half = 0.5 * sizes_.tie;

@@ -1,11 +1,15 @@
 #include "scenarios/ballast_box/start_box.hpp"
 
 #include "components/kinds.hpp"
+#include "engine/errors.hpp"
 #include "engine/memory.hpp"
 #include "engine/resume.hpp"
 #include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/start.hpp"
+#include "systems/fields/fouling.hpp"
+
+#include <fmt/format.h>
 
 namespace bris {
 
@@ -65,9 +69,12 @@ constexpr auto kind_of_bed = "bed_4";
 } // namespace
 
 BoxBed::BoxBed(const Simulation& simulation, const Common& common,
-               std::vector<std::string_view> after_bed)
+               std::vector<std::string_view> after_bed,
+               const std::vector<std::string_view>& of_named_bed)
     : common_(common), after_bed_(std::move(after_bed)),
-      store_(common, simulation, kind_of_bed, after_bed_) {}
+      store_(common, simulation, kind_of_bed, after_bed_) {
+    after_bed_.insert(after_bed_.end(), of_named_bed.begin(), of_named_bed.end());
+}
 
 void BoxBed::begin(Run& run, Simulation& simulation, const BallastBox& box,
                    const std::vector<std::string_view>& may_differ) const {
@@ -75,6 +82,11 @@ void BoxBed::begin(Run& run, Simulation& simulation, const BallastBox& box,
     from.resume = store_.from();
     const bool is_bed = common_.resume.empty() || common_.resume.filename() == bed_file;
     resume_box(run, simulation, box, from, is_bed ? after_bed_ : may_differ);
+    const bool asks_for_fines = box.is_mixed() && fouling_of(box).any();
+    require(
+        !is_bed || asks_for_fines || !simulation.world().has_resource<Fouling>(),
+        fmt::format("--resume: expected a bed that was made without fines, found '{}' with them",
+                    from.resume.string()));
 }
 
 void BoxBed::keep() const { store_.keep(common_.out / bed_file); }

@@ -35,12 +35,16 @@ void resume_box(Run& run, Simulation& simulation, const BallastBox& box, const C
 class BoxBed {
 public:
     /// `simulation`: before its first step. `after_bed`: settings that act after the bed was made,
-    /// which serves for any of their values. They refer to `common`, which must outlive this.
+    /// which serves for any of their values. `of_named_bed`: settings that act on it, but may
+    /// differ from those of a bed that --resume names. They refer to `common`, which must outlive
+    /// this.
     BoxBed(const Simulation& simulation, const Common& common,
-           std::vector<std::string_view> after_bed);
+           std::vector<std::string_view> after_bed,
+           const std::vector<std::string_view>& of_named_bed = {});
 
     /// Begins the run: with the bed of the store, if that has it, or from --resume. Settings in
-    /// `may_differ` may differ from those of a checkpoint that is not of a bed.
+    /// `may_differ` may differ from those of a checkpoint that is not of a bed. Throws InputError
+    /// if the bed has fines, and the run asks for one that was made without them.
     void begin(Run& run, Simulation& simulation, const BallastBox& box,
                const std::vector<std::string_view>& may_differ) const;
 

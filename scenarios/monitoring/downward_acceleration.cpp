@@ -66,6 +66,9 @@ std::string reason_against(const Vibration& v, double passing_time, double lowes
                            100 * v.saturated);
     if (const double gap = gap_in(v); gap > longest_gap)
         return fmt::format("a gap of {:.2g} s", gap);
+    for (const auto& run : v.runs)
+        if (!std::ranges::all_of(run, [](double a) { return std::isfinite(a); }))
+            return "a sample that is no number";
     const double needed = std::max(2 / lowest, 0.95 * passing_time);
     if (v.duration >= needed) return {};
     return fmt::format("{:.3g} s are too short, the train needs {:.3g} s", v.duration, needed);

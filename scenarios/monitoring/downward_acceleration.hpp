@@ -16,7 +16,8 @@ struct DownwardAcceleration {
 
 /// With the specific force turned back by the angular rates; samples that are missing for at most
 /// 0.05 s are interpolated. Impossible are recordings shorter than 95 % of `passing_time` (s) or
-/// than 2 / `lowest` (Hz), with longer gaps, or with samples at the end of the range.
+/// than 2 / `lowest` (Hz), with longer gaps, with samples at the end of the range, or with one that
+/// is no number.
 DownwardAcceleration downward_acceleration(const Recording& recording, double passing_time,
                                            double lowest);
 

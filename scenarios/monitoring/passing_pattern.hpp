@@ -32,6 +32,7 @@ public:
                     double lowest, double wave_numbers);
 
     double band() const { return static_cast<double>(series_.size()) / period_; } ///< Hz
+    double power() const { return power_; } ///< of the series, in no unit; NaN if it is not finite
 
     /// A pattern at the lag (s) and speed (m/s) at which it fits best: it explains that share of
     /// the power of the series if its factor is free.

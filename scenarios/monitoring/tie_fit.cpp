@@ -50,18 +50,20 @@ struct Trial {
     double left; ///< share of the power
 };
 
-/// All supports of the grid.
+/// All supports of the grid: the last one is that of a tie which its bed never carries.
 std::vector<Trial> trials(const PatternMatching& matching, const std::vector<double>& free,
                           double deepest, double speed) {
     std::vector<Trial> all;
     std::vector<double> pattern(free.size());
-    for (unsigned g = 0; g <= gaps; ++g)
-        for (unsigned s = 1; s <= shares; ++s) {
-            const Support support{deepest * g / gaps, static_cast<double>(s) / shares};
-            std::ranges::transform(free, pattern.begin(),
-                                   [&](double w) { return support.deflection(w); });
-            all.push_back({support, matching.left_by(pattern, speed)});
-        }
+    const auto add = [&](const Support& support) {
+        std::ranges::transform(free, pattern.begin(),
+                               [&](double w) { return support.deflection(w); });
+        all.push_back({support, matching.left_by(pattern, speed)});
+    };
+    for (unsigned g = 0; g < gaps; ++g)
+        for (unsigned s = 1; s < shares; ++s)
+            add({deepest * g / gaps, static_cast<double>(s) / shares});
+    add({deepest, 1});
     return all;
 }
 
@@ -77,6 +79,15 @@ Estimate estimate(const std::vector<Trial>& all, const Trial& best, double most,
     return found;
 }
 
+std::string reason_against(const PatternMatching& matching, double lowest) {
+    if (matching.band() < 2 * lowest)
+        return fmt::format("a train so slow has its load below {:.2g} Hz, expected {:g} or more",
+                           matching.band(), 2 * lowest);
+    if (!(matching.power() > 0))
+        return fmt::format("nothing between {:g} and {:.2g} Hz", lowest, matching.band());
+    return {};
+}
+
 } // namespace
 
 TieFit fit_tie(const Recording& recording, const PassingTrain& passing, double lowest) {
@@ -86,6 +97,8 @@ TieFit fit_tie(const Recording& recording, const PassingTrain& passing, double l
     fit.impossible_because = down.impossible_because;
     if (!fit.impossible_because.empty()) return fit;
     const PatternMatching matching(down.series, down.rate, passing, lowest, wave_numbers);
+    fit.impossible_because = reason_against(matching, lowest);
+    if (!fit.impossible_because.empty()) return fit;
     const std::vector<double> free = free_deflection(passing);
     const double deepest = std::ranges::max(free);
     fit.speed = matching.best(free).speed;
@@ -93,7 +106,7 @@ TieFit fit_tie(const Recording& recording, const PassingTrain& passing, double l
     const std::vector<Trial> all = trials(matching, free, deepest, fit.speed);
     const Trial best = *std::ranges::min_element(all, {}, &Trial::left);
     fit.left = best.left;
-    if (fit.left > most_left) {
+    if (!(fit.left <= most_left)) {
         fit.impossible_because = fmt::format(
             "a tie under this train leaves {:.2g} of the power between {:g} and {:.2g} Hz, "
             "expected at most {:g}",
@@ -101,6 +114,7 @@ TieFit fit_tie(const Recording& recording, const PassingTrain& passing, double l
         return fit;
     }
     const double most = as_well * best.left;
+    fit.is_carried = all.back().left > most;
     fit.gap = estimate(all, best, most, [](const Support& s) { return s.gap; });
     fit.deflection =
         estimate(all, best, most, [&](const Support& s) { return s.deflection(deepest); });

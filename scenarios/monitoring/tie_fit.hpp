@@ -18,6 +18,8 @@ struct TieFit {
     double left = 1;            ///< share of the power up to `band` that is not explained
     Estimate deflection = {};   ///< m, largest, from where the tie lies or hangs at rest
     Estimate gap = {};          ///< m, void below the tie: what it moves before it is carried
+    /// Whether the tie reaches its bed for certain; else both may be larger than their ranges.
+    bool is_carried = true;
     std::string impossible_because = {}; ///< empty: there is one
 };
 
@@ -29,7 +31,8 @@ struct TieFit {
 /// numbers of the rails, where the tie does not follow the load alone. The speed is the one within
 /// 5 % of the stated one at which the tie without a bed fits best. Gap and s are searched over a
 /// grid; the ranges are those of fits that leave at most twice as much as the best one. A bed that
-/// hardens is seen as one with a gap. Impossible are recordings as by downward_acceleration, and
+/// hardens is seen as one with a gap; of a tie whose neighbours hang, too, the rail comes down
+/// further than w. Impossible are recordings as by downward_acceleration, and
 /// those of which the fit leaves more than half.
 TieFit fit_tie(const Recording& recording, const PassingTrain& passing, double lowest = 0.7);
 

@@ -12,6 +12,12 @@
 
 namespace bris {
 
+namespace {
+
+constexpr auto silent = "no sample";
+
+} // namespace
+
 TieTable::TieTable(const TieSettings& settings) : settings_(settings) {
     if (settings_.sensors.empty()) return;
     for (const double number : settings_.sensors)
@@ -21,23 +27,38 @@ TieTable::TieTable(const TieSettings& settings) : settings_(settings) {
 }
 
 void TieTable::add(const Passage& passage, bool is_baseline) {
+    const auto stated = passage.cause.numbers.find("speed_m_s");
+    const bool is_stated = stated != passage.cause.numbers.end() && stated->second > 0;
+    const PassingTrain passing{train_,
+                               is_stated ? stated->second : settings_.speed,
+                               {.bending = settings_.bending,
+                                .tie_support = settings_.support,
+                                .spacing = tie_spacing,
+                                .tie_weight = weight_of_tie},
+                               dead_load};
     for (const double number : settings_.sensors) {
         const auto sensor = static_cast<unsigned>(number);
         const auto found =
             std::ranges::find_if(passage.recordings, [&](const Recording& recording) {
                 return recording.info.id == sensor && recording.size() > 0;
             });
-        if (found == passage.recordings.end()) continue;
-        const auto stated = passage.cause.numbers.find("speed_m_s");
-        const bool is_stated = stated != passage.cause.numbers.end() && stated->second > 0;
-        const RailOnTies rails{.bending = settings_.bending,
-                               .tie_support = settings_.support,
-                               .spacing = tie_spacing,
-                               .tie_weight = weight_of_tie};
-        lines_.push_back({passage.name, sensor, is_baseline,
-                          fit_tie(*found, {train_, is_stated ? stated->second : settings_.speed,
-                                           rails, dead_load})});
+        const TieFit fit = found == passage.recordings.end() ? TieFit{.impossible_because = silent}
+                                                             : fit_tie(*found, passing);
+        lines_.push_back({passage.name, sensor, is_baseline, fit});
     }
+}
+
+void TieTable::require_in_baseline() const {
+    for (const double number : settings_.sensors)
+        require(
+            std::ranges::any_of(lines_,
+                                [&](const Line& line) {
+                                    return line.sensor == static_cast<unsigned>(number) &&
+                                           line.fit.impossible_because != silent;
+                                }),
+            fmt::format("--tie-sensors: expected numbers of sensors of the baseline, found {:g}, "
+                        "which recorded nothing there",
+                        number));
 }
 
 std::vector<TieTable::Line> TieTable::lines_of(unsigned sensor, bool of_baseline,
@@ -52,27 +73,26 @@ std::vector<TieTable::Line> TieTable::lines_of(unsigned sensor, bool of_baseline
 
 void TieTable::write(const std::filesystem::path& folder, Report& summary) const {
     if (settings_.sensors.empty()) return;
-    std::string text = "# largest deflections of ties and voids below them, by their sensors and "
-                       "the train; low, high: of fits that are nearly as good\n"
-                       "passage,sensor,baseline,speed_m_per_s,deflection_m,deflection_low_m,"
-                       "deflection_high_m,void_m,void_low_m,void_high_m,share_left,reason\n";
+    std::string text =
+        "# largest deflections of ties and voids below them, by their sensors and "
+        "the train; low, high: of fits that are nearly as good; carried 0: perhaps the "
+        "tie did not reach its bed, and both are larger\n"
+        "passage,sensor,baseline,speed_m_per_s,deflection_m,deflection_low_m,"
+        "deflection_high_m,void_m,void_low_m,void_high_m,carried,share_left,reason\n";
     for (const auto& [passage, sensor, is_baseline, fit] : lines_) {
         const std::string numbers =
             fit.impossible_because.empty()
-                ? fmt::format("{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g}", fit.speed,
-                              fit.deflection.value, fit.deflection.low, fit.deflection.high,
-                              fit.gap.value, fit.gap.low, fit.gap.high, fit.left)
-                : ",,,,,,,";
+                ? fmt::format("{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.3g}",
+                              fit.speed, fit.deflection.value, fit.deflection.low,
+                              fit.deflection.high, fit.gap.value, fit.gap.low, fit.gap.high,
+                              fit.is_carried ? 1 : 0, fit.left)
+                : ",,,,,,,,";
         text += fmt::format("\"{}\",{},{},{},\"{}\"\n", passage, sensor, is_baseline ? 1 : 0,
                             numbers, fit.impossible_because);
     }
     write_whole(folder / "ties.csv", text);
     for (const double number : settings_.sensors) {
         const auto sensor = static_cast<unsigned>(number);
-        require(std::ranges::count(lines_, sensor, &Line::sensor) > 0,
-                fmt::format("--tie-sensors: expected numbers of sensors, found {}, which has "
-                            "recorded nothing",
-                            sensor));
         for (const bool of_baseline : {false, true}) {
             const auto fits = lines_of(sensor, of_baseline, true);
             const std::string key =
@@ -80,6 +100,9 @@ void TieTable::write(const std::filesystem::path& folder, Report& summary) const
             summary.add(key + "passages_without_deflection",
                         lines_of(sensor, of_baseline, false).size());
             if (fits.empty()) continue;
+            summary.add(key + "passages_not_carried",
+                        std::ranges::count(fits, false,
+                                           [](const Line& line) { return line.fit.is_carried; }));
             std::vector<double> deflections, voids;
             for (const Line& line : fits) {
                 deflections.push_back(1e3 * line.fit.deflection.value);

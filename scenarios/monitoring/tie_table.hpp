@@ -26,13 +26,16 @@ class TieTable {
 public:
     /// Throws InputError if there is no such train.
     explicit TieTable(const TieSettings& settings);
-    /// At the speed that the passage states as speed_m_s, or else at that of the settings.
+    /// At the speed that the passage states as speed_m_s, or else at that of the settings. A sensor
+    /// without samples is noted, too.
     void add(const Passage& passage, bool is_baseline);
+    /// Throws InputError if a sensor has no sample in the baseline.
+    void require_in_baseline() const;
 
     /// Writes ties.csv, and adds medians of each sensor, now and in the baseline; nothing if no
-    /// sensor sits on a tie. Throws InputError if one of them has recorded nothing.
+    /// sensor sits on a tie.
     void write(const std::filesystem::path& folder, Report& summary) const;
-    /// What was recorded on ties now, and tells no deflection; empty: nothing.
+    /// Which tie tells no deflection in a passage now; empty: all do.
     std::string not_judged() const;
 
 private:

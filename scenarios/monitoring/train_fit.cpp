@@ -10,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <memory>
 #include <numeric>
 #include <vector>
 
@@ -26,8 +25,8 @@ constexpr double wave_numbers = 5; // of the rails, beyond which an axle's load 
 constexpr double least_goodness = 0.25;
 constexpr std::uint64_t seed = 1, stream = 884;
 
-/// The load (N) of a train on a tie along the track, less that at rest, in steps of `spacing`; the
-/// rails do not lift the tie.
+/// The load (N) of a train on a tie along the track, less that at rest, in steps of
+/// `pattern_spacing`; the rails do not lift the tie.
 std::vector<double> load_along(const Train& train, const PassingTrain& passing) {
     const double ends = passing.rails.reach();
     const InfluenceLine share = passing.rails.influence();

@@ -38,30 +38,41 @@ bool ends_in_bay(const std::filesystem::path& resume) {
            !std::filesystem::exists(resume / "long_track.ckpt.h5");
 }
 
+Phase the_end() {
+    return {.advance = [](Simulation&) { return false; },
+            .progress =
+                [](const World&) {
+                    return PhaseProgress{"the bay is made", 1, ""};
+                }};
+}
+
+/// Settings of the passages.
+const std::vector<std::string_view> of_passages{"bays",          "passages",   "train",
+                                                "speed_m_per_s", "duration_s", "gap_m"};
+
 /// Settings on which the bed does not depend.
 std::vector<std::string_view> settings_after_bed(const LongTrack& t, const Common& common) {
     std::vector<std::string_view> keys = settings_of_state(t.box, common);
-    keys.insert(keys.end(), {"bays", "passages", "train", "speed_m_per_s", "duration_s", "gap_m",
-                             "restitution", "step_fraction"});
+    keys.insert(keys.end(), of_passages.begin(), of_passages.end());
     if (!t.settles_bay())
-        keys.insert(keys.end(),
-                    {"pad_stiffness_N_per_m", "rail_bending_N_m2", "tie_support_N_per_m"});
+        keys.insert(keys.end(), {"restitution", "step_fraction", "pad_stiffness_N_per_m",
+                                 "rail_bending_N_m2", "tie_support_N_per_m"});
     return keys;
 }
 
 /// In the folder of results, from which the bay's files are removed once it is made.
 void make_bay(Simulation& simulation, const LongTrack& t, const Common& common) {
     BoxTestRun test(simulation, t.box, common.seed);
-    const std::vector<std::string_view> after_bed = settings_after_bed(t, common);
     Run run(simulation, common, bay_name);
-    const BoxBed bed(simulation, common, after_bed);
-    bed.begin(run, simulation, t.box, after_bed);
+    const BoxBed bed(simulation, common, settings_after_bed(t, common));
+    bed.begin(run, simulation, t.box, of_passages);
     std::vector<Phase> phases = test.bed_of_track();
     const TrackPassage settling{
         .box = t.box, .first_train = t.first_train, .pad_stiffness = t.pad_stiffness};
     if (t.settles_bay()) phases.push_back(first_passage(test, run, settling));
     phases.push_back(save_bed(run, [&bed] { bed.keep(); }));
     for (Phase& phase : test.changes_in_use()) phases.push_back(std::move(phase));
+    phases.push_back(the_end()); // which a run that is resumed may repeat
     run.go(phases);
     const bool is_kept = common.resume.empty() && common.beds != "none";
     if (!Ranks::is_first() || !is_kept) return;
@@ -153,9 +164,12 @@ void find_step(Simulation& simulation, const LongTrack& t) {
     simulation.divide_now().resource<Clock>().change_step(t.box.step_fraction * stable);
 }
 
-void begin_passage(Simulation& simulation, const LongTrack& t, std::uint64_t passage) {
+void begin_hanging(Simulation& simulation, const LongTrack& t) {
+    hang_ties(simulation.divide_now(), t.gap);
+}
+
+void begin_passage(Simulation& simulation, const LongTrack& t) {
     World& world = simulation.divide_now();
-    if (passage == t.passages && t.gap > 0) hang_ties(world, t.gap);
     begin_train(world, train_named(t.train), t.speed);
     start_recording(world);
 }

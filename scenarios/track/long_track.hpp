@@ -33,9 +33,11 @@ bool resumes_track(const Common& common);
 /// Runs a step, in which the contacts between the bays are found, from which the time step of the
 /// passages follows.
 void find_step(Simulation& simulation, const LongTrack& track);
-/// Passages count from 1. The train comes, and the sensors begin to record; before the last passage
-/// the ties are hung up if there is to be a gap.
-void begin_passage(Simulation& simulation, const LongTrack& track, std::uint64_t passage);
+/// Hangs the ties up (hang_ties), after which the ballast needs `hanging_time` (s) to come to rest.
+void begin_hanging(Simulation& simulation, const LongTrack& track);
+inline constexpr double hanging_time = 0.2;
+/// The train comes, and the sensors begin to record.
+void begin_passage(Simulation& simulation, const LongTrack& track);
 
 /// s, simulated time of a passage: as given, or until the last axle has left the rail.
 double duration_of(const LongTrack& track, const World& world);

@@ -126,6 +126,8 @@ void hang_ties(World& world, double gap) {
         double& height = world.column<Bodies, Position>()[row].z();
         const Vec3 arm = world.column<Bodies, Orientation>()[row] * seat.point;
         const double above = height + arm.z() - rail.level - u[i]; // the seat, for now
+        world.column<Bodies, Velocity>()[row].setZero();
+        world.column<Bodies, AngularMomentum>()[row].setZero();
         if (hangs(seat)) {
             height += gap;
             seat.point.z() -= gap + above;
@@ -134,6 +136,7 @@ void hang_ties(World& world, double gap) {
         }
     }
     invalidate_lists(world);
+    show_velocities(world);
 }
 
 void begin_train(World& world, const Train& train, double speed) {

@@ -16,7 +16,7 @@ EntityId add_ties_on_springs(World& world, const RailOnTies& rails, unsigned bay
 void lay_rail(World& world, const RailOnTies& rails, EntityId first);
 
 /// Lifts the ties on ballast by `gap` (m, > 0) and hangs them on the rail, at rest: it sags under
-/// their weights, which the ties on springs carry.
+/// their weights, which the ties on springs carry. The ballast rebounds for some time.
 void hang_ties(World& world, double gap);
 
 /// A train begins to pass: its first axle is above the first tie at the present time.

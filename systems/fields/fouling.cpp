@@ -194,6 +194,7 @@ void fix_fouling(World& world) {
     f.blocks = {};
     f.fines = f.water = {};
     f.solid = {};
+    f.blocked.clear();
     f.is_fixed = true;
 }
 

@@ -34,7 +34,7 @@ struct Rail {
     double retardation = 0;
     double weight = 0; ///< N/m, against `up`
     /// m along the rail at time 0, and N against `up`, of axles; those beyond the ends do not act.
-    /// Phases may change axles and speed between steps, but nothing else.
+    /// Phases may change axles, speed and RailSeat::point between steps, but nothing else.
     std::vector<double> axle_positions = {}, axle_loads = {};
     double axle_speed = 0;            ///< m/s
     std::vector<RailSeat> seats = {}; ///< two or more, in their order along the rail

@@ -116,6 +116,14 @@ assert begun.wait(60) == 130 and (out / "bay.ckpt.h5").exists()
 subprocess.run([*track, "--resume", str(out)], check=True, timeout=300, stdout=subprocess.DEVNULL)
 assert fingerprint(out.name) == fingerprint("long_track_on_1"), "other bits after an interruption"
 
+# a track with mud and hanging ties goes on with another number of ranks
+out = folder / "mud_resumed"
+mud = [str(word) for word in (pathlib.Path(settle).with_name("long_track"), *others["long_track mud"], "--threads", "1", "--quiet", "--out", out)]
+at = mud.index("--duration") + 1
+subprocess.run([*mud[:at], "0.2", *mud[at + 1:], "--ranks", "2"], check=True, timeout=300, stdout=subprocess.DEVNULL)
+subprocess.run([*mud, "--ranks", "3", "--resume", str(out)], check=True, timeout=300, stdout=subprocess.DEVNULL)
+assert fingerprint(out.name) == fingerprint("long_track_mud_on_1"), "other bits of mud after resuming"
+
 # slabs too thin for their bodies
 refused = subprocess.run([settle, "--spheres", "100", "--ranks", "4", "--out", str(folder / "thin")], capture_output=True, text=True, timeout=60)
 assert refused.returncode == 2 and "expected at most" in refused.stderr, refused.stderr

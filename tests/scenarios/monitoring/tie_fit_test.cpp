@@ -8,6 +8,8 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+
 using namespace bris;
 using namespace bris::testing;
 
@@ -102,10 +104,47 @@ TEST_SUITE("monitoring/tie_fit") {
         CHECK(numbers["sensor_4_passages_without_deflection"] == 1);
         CHECK(numbers["sensor_4_baseline_passages_without_deflection"] == 0);
         CHECK(std::filesystem::exists(folder / "ties.csv"));
-        settings.sensors = {5};
-        TieTable none(settings);
-        none.add(passage("now", 0, 1), false);
-        CHECK_THROWS_AS(none.write(folder.path(), summary), InputError);
+        Passage silent = passage("silent", 0, 11);
+        silent.recordings.clear();
+        TieTable later(settings);
+        later.add(passage("before", 0, 1), true);
+        CHECK_NOTHROW(later.require_in_baseline());
+        later.add(silent, false);
+        CHECK(later.not_judged().find("no sample") != std::string::npos);
+        settings.sensors = {4, 5};
+        TieTable unknown(settings);
+        unknown.add(passage("before", 0, 1), true);
+        CHECK_THROWS_AS(unknown.require_in_baseline(), InputError);
+    }
+
+    TEST_CASE("a tie that never reaches its bed may have any void, and the fit says so") {
+        const Train train = train_named("passenger");
+        const LoadHistory deflection = deflection_of_tie(train, 31.3, 0.05);
+        const double largest = std::ranges::max(deflection.values);
+        const TieFit fit = fit_of(deflection, {train, 31.3, rails, rails_weight}, 8);
+        REQUIRE(fit.impossible_because == "");
+        CHECK_FALSE(fit.is_carried);
+        CHECK(fit.gap.high == doctest::Approx(largest).epsilon(0.02));
+        CHECK(fit.deflection.value == doctest::Approx(largest).epsilon(0.05));
+        const LoadHistory carried = deflection_of_tie(train, 31.3, 0.5e-3);
+        CHECK(fit_of(carried, {train, 31.3, rails, rails_weight}, 8).is_carried);
+    }
+
+    TEST_CASE("a recording with a sample that is no number, or in which nothing moves, gives no "
+              "deflection") {
+        const PassingTrain passing{train_named("passenger"), 31.3, rails, rails_weight};
+        Recording broken =
+            recording_under(deflection_of_tie(passing.train, 31.3, 0), "smartrock-like", 5, 1, 0, 0,
+                            [](double w) { return w; });
+        Recording stuck = broken;
+        broken.force[broken.size() / 2].z() = std::nan("");
+        CHECK(fit_tie(broken, passing).impossible_because != "");
+        for (Vec3& force : stuck.force) force = stuck.force.front();
+        for (Vec3& rate : stuck.rate) rate.setZero();
+        CHECK(fit_tie(stuck, passing).impossible_because != "");
+        PassingTrain slow = passing;
+        slow.speed = 0.5;
+        CHECK(fit_tie(broken, slow).impossible_because != "");
     }
 
     TEST_CASE("a recording that is shorter than the train is refused") {

@@ -175,6 +175,30 @@ TEST_SUITE("track/bays") {
         CHECK(of_one.find("fouling") != nullptr);
     }
 
+    TEST_CASE(
+        "water and fines are in a bed that is mixed with them, and come to all others in use, "
+        "so that a bed without fines serves all runs") {
+        const TemporaryDirectory folder;
+        const Common common = bris::testing::quiet_run("long_track", folder.path());
+        const auto phases = [&](const char* run, const char* fines) {
+            BallastBox box = small_bay;
+            box.run = run;
+            box.fines = fines;
+            Simulation simulation = make_undivided_box(box, common);
+            const BoxTestRun test(simulation, box, common.seed);
+            return std::pair{test.bed_of_track().size() - test.making_of_bed().size(),
+                             test.changes_in_use().size()};
+        };
+        using Counts = std::pair<std::size_t, std::size_t>; // with the bed, in use
+        CHECK(phases("I.2", "mixed") == Counts{1, 0});
+        CHECK(phases("I.4", "mixed") == Counts{1, 2}); // wet, without shoulder
+        CHECK(phases("II.3", "mixed") == Counts{2, 0});
+        CHECK(phases("II.4", "mixed") == Counts{2, 1});
+        CHECK(phases("II.3", "filled") == Counts{1, 1});
+        CHECK(SeatedBay::of_mud().bay().world().resource<BoxState>().wet == 1);
+        CHECK(SeatedBay::once().bay().world().resource<BoxState>().wet == 0);
+    }
+
     TEST_CASE("ties that hang on the rail rest above the ballast by the gap, carried by the rail, "
               "until a load closes it") {
         constexpr double gap = 1e-3;
