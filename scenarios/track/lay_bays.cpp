@@ -179,7 +179,8 @@ private:
         const auto parent = world_.column<Spheres, ParentId>();
         is_grain_.assign(bodies_, 0);
         for (const EntityId body : parent) is_grain_[body] = 1;
-        for (Row b = 0; b < id.size(); ++b) {
+        // copies are numbered in an order that does not depend on that of the rows
+        for (const Row b : in_order_of_ids(id)) {
             if (is_grain_[id[b]] != 0)
                 grains_.push_back(b);
             else if (is_wall_[id[b]] == 0 && id[b] < once_)

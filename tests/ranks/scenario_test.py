@@ -124,6 +124,13 @@ subprocess.run([*mud[:at], "0.2", *mud[at + 1:], "--ranks", "2"], check=True, ti
 subprocess.run([*mud, "--ranks", "3", "--resume", str(out)], check=True, timeout=300, stdout=subprocess.DEVNULL)
 assert fingerprint(out.name) == fingerprint("long_track_mud_on_1"), "other bits of mud after resuming"
 
+# a track goes on from the bay that was made for it
+out = folder / "made_bay"
+shutil.copytree(folder / "long_track_mud_on_1", out)
+(out / "long_track.ckpt.h5").unlink()
+subprocess.run([*mud[:-1], str(out), "--resume", str(out)], check=True, timeout=300, stdout=subprocess.DEVNULL)
+assert fingerprint(out.name) == fingerprint("long_track_mud_on_1"), "other bits on a bay that was read"
+
 # slabs too thin for their bodies
 refused = subprocess.run([settle, "--spheres", "100", "--ranks", "4", "--out", str(folder / "thin")], capture_output=True, text=True, timeout=60)
 assert refused.returncode == 2 and "expected at most" in refused.stderr, refused.stderr
