@@ -157,18 +157,19 @@ void draw(const LongTrack& t, const SeriesOf<TrackSample>& samples, const TieRec
         support.y.push_back(1e-3 * ties.all()[k].support);
     }
     const std::string place = "place along the track (m)";
-    draw_plots(common.out / "long_track.png",
-               {{.title = fmt::format("Ties of {} bays under the train '{}'", t.bays, t.train),
-                 .x_label = place,
-                 .y_label = "downwards (mm)",
-                 .curves = {deflection, settlement}},
-                {.title = "Support of the half ties by the ballast",
-                 .x_label = place,
-                 .y_label = "force (kN)",
-                 .curves = {support}},
-                samples.plot(&TrackSample::deflection, "Middle tie"),
-                samples.plot(&TrackSample::support, "Middle tie")},
-               2);
+    std::vector<Plot> plots{samples.plot(&TrackSample::deflection, "Middle tie"),
+                            samples.plot(&TrackSample::support, "Middle tie")};
+    if (t.bays > 1)
+        plots.insert(plots.begin(), {{.title = fmt::format("Ties of {} bays under the train '{}'",
+                                                           t.bays, t.train),
+                                      .x_label = place,
+                                      .y_label = "downwards (mm)",
+                                      .curves = {deflection, settlement}},
+                                     {.title = "Support of the half ties by the ballast",
+                                      .x_label = place,
+                                      .y_label = "force (kN)",
+                                      .curves = {support}}});
+    draw_plots(common.out / "long_track.png", plots, 2);
 }
 
 void write_ties(const std::filesystem::path& csv, const TieRecords& ties) {
