@@ -237,6 +237,55 @@ struct Outcome {
     Report summary = {};
 };
 
+/// The passages, of so many steps each, and the hanging of the ties before the last one.
+std::vector<Phase> phases_of(const LongTrack& t, const Run& run, std::uint64_t steps, double dt,
+                             LastQuantities& last, TieRecords& ties,
+                             SeriesOf<TrackSample>& samples) {
+    const auto sample = [&](Simulation& s, std::uint64_t) {
+        s.observe();
+        const World& world = s.observed();
+        check_stable_step(world, last.stable_step());
+        ties.note(world);
+        samples.add({.time = world.resource<Clock>().time() - ties.began(),
+                     .passage = static_cast<double>(ties.passages().size()),
+                     .deflection = ties.middle().now,
+                     .support = ties.middle().support_now,
+                     .largest_deflection = ties.passages().back().deflection,
+                     .unbalanced_ratio = last.quantities().unbalanced_ratio,
+                     .kinetic_energy = last.quantities().kinetic_energy,
+                     .stable_step = last.stable_step()});
+        return true;
+    };
+    const auto wait = [&](Simulation& s, std::uint64_t) {
+        s.observe();
+        check_stable_step(s.observed(), last.stable_step());
+        return true;
+    };
+    const auto every = std::max<std::uint64_t>(
+        1, static_cast<std::uint64_t>(std::llround(sample_interval(t.speed) / dt)));
+    std::vector<Phase> phases;
+    for (unsigned number = 1; number <= t.passages; ++number) {
+        if (number == t.passages && t.gap > 0)
+            phases.push_back(run.timed({.name = "hang the ties up",
+                                        .steps = steps_of(hanging_time, dt, "gap"),
+                                        .sample_every = every,
+                                        .sample = wait,
+                                        .begin = [&](Simulation& s) { begin_hanging(s, t); },
+                                        .looks = false}));
+        phases.push_back(run.timed({.name = fmt::format("passage {}", number),
+                                    .steps = steps,
+                                    .sample_every = every,
+                                    .sample = sample,
+                                    .begin =
+                                        [&](Simulation& s) {
+                                            begin_passage(s, t);
+                                            ties.begin(s.observed());
+                                        },
+                                    .looks = false}));
+    }
+    return phases;
+}
+
 Outcome simulate(const LongTrack& t, const Common& common) {
     Outcome found;
     const bool resumes = resumes_track(common); // before the bay's files are gone
@@ -262,49 +311,7 @@ Outcome simulate(const LongTrack& t, const Common& common) {
                         run.phase() + 1, t.passages));
     const bool hangs_now = t.gap > 0 && run.phase() + 2 == phases_of_run;
     if (run.is_resumed() && !hangs_now) run.require_steps_left(steps, "duration");
-    const auto sample = [&](Simulation& s, std::uint64_t) {
-        s.observe();
-        const World& world = s.observed();
-        check_stable_step(world, last.stable_step());
-        ties.note(world);
-        found.samples.add({.time = world.resource<Clock>().time() - ties.began(),
-                           .passage = static_cast<double>(ties.passages().size()),
-                           .deflection = ties.middle().now,
-                           .support = ties.middle().support_now,
-                           .largest_deflection = ties.passages().back().deflection,
-                           .unbalanced_ratio = last.quantities().unbalanced_ratio,
-                           .kinetic_energy = last.quantities().kinetic_energy,
-                           .stable_step = last.stable_step()});
-        return true;
-    };
-    const auto wait = [&](Simulation& s, std::uint64_t) {
-        s.observe();
-        check_stable_step(s.observed(), last.stable_step());
-        return true;
-    };
-    std::vector<Phase> phases;
-    for (unsigned number = 1; number <= t.passages; ++number) {
-        if (number == t.passages && t.gap > 0)
-            phases.push_back(run.timed({.name = "hang the ties up",
-                                        .steps = steps_of(hanging_time, dt, "gap"),
-                                        .sample_every = 500,
-                                        .sample = wait,
-                                        .begin = [&](Simulation& s) { begin_hanging(s, t); },
-                                        .looks = false}));
-        phases.push_back(run.timed(
-            {.name = fmt::format("passage {}", number),
-             .steps = steps,
-             .sample_every = std::max<std::uint64_t>(
-                 1, static_cast<std::uint64_t>(std::llround(sample_interval(t.speed) / dt))),
-             .sample = sample,
-             .begin =
-                 [&](Simulation& s) {
-                     begin_passage(s, t);
-                     ties.begin(s.observed());
-                 },
-             .looks = false}));
-    }
-    run.go(phases);
+    run.go(phases_of(t, run, steps, dt, last, ties, found.samples));
     const World& world = simulation.observed();
     found.summary = summary_of(t, simulation, ties, last, run, common);
     FrameWriter frames(common.out / "long_track.vtkhdf", common.settings);
