@@ -12,7 +12,7 @@ namespace bris {
 namespace {
 
 constexpr double wave_numbers = 4;
-constexpr double most_left = 0.5;
+constexpr double most_left = 0.2;          // three hanging ties left 0.32, single ones at most 0.13
 constexpr unsigned gaps = 40, shares = 20; // of the grid
 constexpr double as_well = 2; // times what the best fit leaves: most of that is no noise
 
@@ -108,8 +108,8 @@ TieFit fit_tie(const Recording& recording, const PassingTrain& passing, double l
     fit.left = best.left;
     if (!(fit.left <= most_left)) {
         fit.impossible_because = fmt::format(
-            "a tie under this train leaves {:.2g} of the power between {:g} and {:.2g} Hz, "
-            "expected at most {:g}",
+            "a tie under this train, beside ties that are carried, leaves {:.2g} of the power "
+            "between {:g} and {:.2g} Hz, expected at most {:g}",
             fit.left, lowest, fit.band, most_left);
         return fit;
     }

@@ -33,7 +33,7 @@ struct TieFit {
 /// grid; the ranges are those of fits that leave at most twice as much as the best one. A bed that
 /// hardens is seen as one with a gap; of a tie whose neighbours hang, too, the rail comes down
 /// further than w. Impossible are recordings as by downward_acceleration, and
-/// those of which the fit leaves more than half.
+/// those of which the fit leaves more than a fifth.
 TieFit fit_tie(const Recording& recording, const PassingTrain& passing, double lowest = 0.7);
 
 } // namespace bris
