@@ -34,7 +34,7 @@ SphereCells occupied(const World& world, double radius) {
     double largest = radius;
     for (const Ball& ball : balls) largest = std::max(largest, ball.radius);
     SphereCells cells(largest);
-    for (const Row k : rows_by_id(world.column<Spheres, SphereId>())) {
+    for (const Row k : in_order_of_ids(world.column<Spheres, SphereId>())) {
         const Row b = rows[parents[k]];
         cells.add(world.column<Bodies, Position>()[b] +
                       world.column<Bodies, Orientation>()[b] * balls[k].centre,

@@ -20,9 +20,11 @@ constexpr auto silent = "no sample";
 
 TieTable::TieTable(const TieSettings& settings) : settings_(settings) {
     if (settings_.sensors.empty()) return;
-    for (const double number : settings_.sensors)
+    for (const double number : settings_.sensors) {
         require(number == std::floor(number),
                 fmt::format("--tie-sensors: expected whole numbers, found {:g}", number));
+        sensors_.push_back(static_cast<unsigned>(number));
+    }
     train_ = train_named(settings_.train);
 }
 
@@ -36,8 +38,7 @@ void TieTable::add(const Passage& passage, bool is_baseline) {
                                 .spacing = tie_spacing,
                                 .tie_weight = weight_of_tie},
                                dead_load};
-    for (const double number : settings_.sensors) {
-        const auto sensor = static_cast<unsigned>(number);
+    for (const unsigned sensor : sensors_) {
         const auto found =
             std::ranges::find_if(passage.recordings, [&](const Recording& recording) {
                 return recording.info.id == sensor && recording.size() > 0;
@@ -49,16 +50,15 @@ void TieTable::add(const Passage& passage, bool is_baseline) {
 }
 
 void TieTable::require_in_baseline() const {
-    for (const double number : settings_.sensors)
-        require(
-            std::ranges::any_of(lines_,
-                                [&](const Line& line) {
-                                    return line.sensor == static_cast<unsigned>(number) &&
-                                           line.fit.impossible_because != silent;
-                                }),
-            fmt::format("--tie-sensors: expected numbers of sensors of the baseline, found {:g}, "
-                        "which recorded nothing there",
-                        number));
+    for (const unsigned sensor : sensors_)
+        require(std::ranges::any_of(lines_,
+                                    [&](const Line& line) {
+                                        return line.sensor == sensor &&
+                                               line.fit.impossible_because != silent;
+                                    }),
+                fmt::format("--tie-sensors: expected numbers of sensors of the baseline, found {}, "
+                            "which recorded nothing there",
+                            sensor));
 }
 
 std::vector<TieTable::Line> TieTable::lines_of(unsigned sensor, bool of_baseline,
@@ -72,7 +72,7 @@ std::vector<TieTable::Line> TieTable::lines_of(unsigned sensor, bool of_baseline
 }
 
 void TieTable::write(const std::filesystem::path& folder, Report& summary) const {
-    if (settings_.sensors.empty()) return;
+    if (sensors_.empty()) return;
     std::string text =
         "# largest deflections of ties and voids below them, by their sensors and "
         "the train; low, high: of fits that are nearly as good; carried 0: perhaps the "
@@ -91,8 +91,7 @@ void TieTable::write(const std::filesystem::path& folder, Report& summary) const
                             numbers, fit.impossible_because);
     }
     write_whole(folder / "ties.csv", text);
-    for (const double number : settings_.sensors) {
-        const auto sensor = static_cast<unsigned>(number);
+    for (const unsigned sensor : sensors_) {
         for (const bool of_baseline : {false, true}) {
             const auto fits = lines_of(sensor, of_baseline, true);
             const std::string key =

@@ -48,6 +48,7 @@ private:
     std::vector<Line> lines_of(unsigned sensor, bool of_baseline, bool with_fit) const;
 
     TieSettings settings_;
+    std::vector<unsigned> sensors_; ///< their numbers
     Train train_;
     std::vector<Line> lines_;
 };

@@ -71,7 +71,7 @@ double mean_size(const World& world) {
     const auto& materials = world.resource<Materials>();
     const auto material = bodies.column<MaterialOf>();
     double all = 0, size = 0;
-    for (const Row r : rows_by_id(bodies.column<BodyId>())) {
+    for (const Row r : in_order_of_ids(bodies.column<BodyId>())) {
         if (!(mass[r] > 0)) continue;
         all += mass[r];
         size += mass[r] * std::cbrt(6 * mass[r] / (pi * materials.list[material[r]].density));
