@@ -140,17 +140,19 @@ struct DisplacementBound : Derived<double> {
 
 /// What a touching contact reads of a body, in one cache line: velocity of the centre over the last
 /// step, inverse inertial mass (0 if driven) and angular velocity over the last step. With the
-/// centre itself (CentreRow) they give the velocity of any point of the body.
+/// centre itself (CentreRow) they give the velocity of any point of the body. `spin_z`: see
+/// KickRow.
 struct alignas(64) MotionRow {
-    double vx, vy, vz, inverse_mass, omega_x, omega_y, omega_z, unused;
+    double vx, vy, vz, inverse_mass, omega_x, omega_y, omega_z, spin_z;
 };
 struct alignas(32) CentreRow {
     double x, y, z, unused;
 };
 /// What only dashpots need: the acceleration in the last step, which gives the velocity at its end,
-/// and the increment of the angular velocity from its middle to its end.
+/// and the increment of the angular velocity from its middle to its end. The spin is the angular
+/// velocity itself; move_spheres keeps it where these rows have room.
 struct alignas(64) KickRow {
-    double ax, ay, az, unused, omega_x, omega_y, omega_z, unused_too;
+    double ax, ay, az, spin_x, omega_x, omega_y, omega_z, spin_y;
 };
 /// Exists only with contact laws that have dashpots.
 struct Kick : Derived<KickRow> {

@@ -122,6 +122,7 @@ struct PartnerSum : Derived<Row> {
 struct NearChunk {
     Row first_body, last_body, first, last; ///< of bodies and of near rows; half-open
     std::size_t first_flags;                ///< first byte of `touching`
+    std::size_t first_across, last_across;  ///< of `across`
 };
 
 /// Index of the near pairs by owner. The near rows of an owner are contiguous.
@@ -132,6 +133,8 @@ struct NearIndex {
 
     std::vector<Row> owned_first; ///< bodies + 1
     std::vector<NearChunk> chunks;
+    /// Near rows whose partner belongs to another chunk of the same kind of pair.
+    std::vector<Row> across;
     /// True if every sphere is at the centre of its body: scenes of single spheres.
     bool centred = false;
     /// Bit k of byte first_flags + g of a chunk: near row first + group * g + k of the chunk.

@@ -17,6 +17,7 @@ struct Health {
 struct Alarm {
     static constexpr auto name = "alarm";
     static constexpr bool is_state = true; // so that nobody leaves out the systems that raise it
+    static constexpr bool writers_commute = true;
     bool raised = false;
 
     /// May be called by several threads.

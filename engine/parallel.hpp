@@ -1,5 +1,7 @@
 #pragma once
 
+#include "engine/team.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -28,8 +30,19 @@ private:
 /// Number of threads that a loop started at this point runs on.
 unsigned team_size();
 
+/// While it exists, loops do not use the team of Threads::run, but the tasks of several threads
+/// that run loops at once.
+class ManyLeaders {
+public:
+    ManyLeaders();
+    ~ManyLeaders();
+    ManyLeaders(const ManyLeaders&) = delete;
+
+private:
+    detail::Team* team_;
+};
+
 namespace detail {
-using ChunkBody = void (*)(void* context, std::size_t chunk);
 void run_chunks(std::size_t chunks, ChunkBody body, void* context);
 } // namespace detail
 

@@ -171,8 +171,6 @@ struct CommonFlags {
                "checkpoint "
                "is used.");
         option("explain", common.explain, "", "Print the systems of a time step and exit.");
-        option("serial", common.serial, "",
-               "Run the systems of a time step one after the other. The results are the same.");
         option("quiet", common.quiet, "", "Do not print progress.");
     }
 };

@@ -28,7 +28,6 @@ struct Common {
     std::uint64_t seed = 1;
     std::uint64_t memory_limit = 0;       ///< bytes; 0: no limit
     bool explain = false;                 ///< print the schedule and simulate nothing
-    bool serial = false;                  ///< run the systems in order, with the same result
     bool quiet = false;                   ///< print no progress
     std::vector<NamedValue> settings;     ///< every option with its value, for summary and run file
     std::vector<std::string> arguments;   ///< as typed

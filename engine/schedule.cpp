@@ -25,11 +25,14 @@ bool conflict(const System& a, const System& b) {
     return false;
 }
 
-// two row-local systems may share a pass if all data that they share belong to the row itself
+// two row-local systems may share a pass if all data that they share belong to the row itself, or
+// are written in any order
 bool may_share_pass(const System& a, const System& b) {
     for (const Access& x : a.accesses)
         for (const Access& y : b.accesses)
-            if ((x.writes || y.writes) && same_data(x, y) && x.table != *a.row_local) return false;
+            if ((x.writes || y.writes) && same_data(x, y) && x.table != *a.row_local &&
+                !(x.commutes && y.commutes))
+                return false;
     return true;
 }
 
@@ -232,7 +235,7 @@ void Schedule::run(World& world) {
         last_due_ = due;
     }
     Plan& plan = *last_plan_;
-    if (settings_.last_order && !settings_.serial) {
+    if (settings_.last_order) {
         std::vector<bool> done(plan.nodes.size(), false);
         for (std::size_t k = 0; k < plan.nodes.size(); ++k)
             for (std::size_t n = plan.nodes.size(); n-- > 0;) {
@@ -247,8 +250,7 @@ void Schedule::run(World& world) {
         return;
     }
 #ifndef BRIS_STD_THREADS
-    if (!plan.chain && !settings_.serial && team_size() > 1 &&
-        world.rows() <= settings_.most_graph_rows) {
+    if (settings_.overlap && !plan.chain && team_size() > 1) {
         if (!plan.graph) {
             // built inside the simulation's arena, because a flow graph runs where it was created
             plan.graph = std::make_unique<tbb::flow::graph>();
@@ -268,6 +270,7 @@ void Schedule::run(World& world) {
         }
         plan.schedule = this;
         plan.world = &world;
+        const ManyLeaders nodes;
         plan.start->try_put(tbb::flow::continue_msg{});
         plan.graph->wait_for_all();
         return;

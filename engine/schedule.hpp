@@ -11,7 +11,10 @@ namespace bris {
 
 /// How the task graph is run; every choice gives the same bits.
 struct ScheduleSettings {
-    bool serial = false;  ///< never runs the graph, but one system after another
+    /// Systems that share no data run at once, as tasks of oneTBB. Otherwise they run one after
+    /// another, which measurement prefers: the loops of each system then keep all threads busy, and
+    /// each thread finds its part of the bodies in its cache.
+    bool overlap = false;
     bool fused = true;    ///< runs adjacent row-local systems in one pass over the rows
     bool combined = true; ///< with `fused`: systems may be replaced by one that combines them
     /// Another valid order: of the systems that could run next, the last one runs.
@@ -20,10 +23,6 @@ struct ScheduleSettings {
     /// Number of rows of all tables from which on several threads pay; handing work to another
     /// thread takes some microseconds per system.
     std::size_t least_rows = 4000;
-    /// Number of rows up to which several threads run the graph. In larger scenes the loops of each
-    /// system keep all threads busy, and a list, whose loops always begin on the same thread, finds
-    /// more of its data in that thread's cache.
-    std::size_t most_graph_rows = 60000;
     /// Rows per chunk of row-local systems; 0: chosen from the numbers of rows and threads.
     std::size_t grain = 0;
 };

@@ -65,7 +65,7 @@ void Simulation::advance_part() {
 
 void Simulation::take_part() {
     ScheduleSettings settings = settings_;
-    settings.serial = true; // messages are sent by the thread that runs main
+    settings.overlap = false; // messages are sent by the thread that runs main
     part_ = std::make_unique<Part>(division_.take(*world_), steps_, settings);
     has_records_ = count_.steps == 0; // before the first step there are none to lose
 }

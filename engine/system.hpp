@@ -16,6 +16,7 @@ struct Access {
     std::string name; ///< for messages, as "Bodies.position"
     bool writes = false;
     bool is_state = false;
+    bool commutes = false; ///< writers may run in any order, and at once
     friend bool same_data(const Access& a, const Access& b) {
         return a.table == b.table && a.component == b.component;
     }
@@ -33,8 +34,11 @@ struct Parameter<R&> {
     static void declare(std::vector<Access>& list) {
         bool is_state = false;
         if constexpr (requires { Resource::is_state; }) is_state = Resource::is_state;
-        list.push_back(
-            {typeid(Resource), typeid(Resource), Resource::name, !std::is_const_v<R>, is_state});
+        constexpr bool writes = !std::is_const_v<R>, commutes = requires {
+            Resource::writers_commute;
+        };
+        list.push_back({typeid(Resource), typeid(Resource), Resource::name, writes, is_state,
+                        writes && commutes});
     }
     static bool present(const World& world) { return world.has_resource<Resource>(); }
     static std::string missing(const World& world) {

@@ -51,7 +51,7 @@ std::vector<ShearTest> tests_of(const ShearBox& box) {
 
 Packing make_packing(const ShearBox& box, const Common& common, const ReportProgress& report) {
     Packing made;
-    Simulation simulation = make_shear_box(box, common.seed, common.threads, common.serial);
+    Simulation simulation = make_shear_box(box, common.seed, common.threads);
     const World& world = std::as_const(simulation).world();
     Run run(simulation, common, "specimen", report);
     make_bed(run, simulation, common, settings_of_tests);
@@ -68,8 +68,8 @@ class ShearRun {
 public:
     ShearRun(const ShearBox& box, const Common& common, const Packing& packing,
              const ShearTest& test, unsigned threads, const ReportProgress& report)
-        : box_(box), test_(test),
-          simulation_(make_shear_box(box, common.seed, threads, common.serial)), common_(common) {
+        : box_(box), test_(test), simulation_(make_shear_box(box, common.seed, threads)),
+          common_(common) {
         common_.out = common.out / name_of(test);
         fs::create_directories(common_.out);
         run_ = std::make_unique<Run>(simulation_, common_, "direct_shear", report);
@@ -297,7 +297,7 @@ void run(const ShearBox& box, const Common& common) {
 }
 
 std::string explain(const ShearBox& box, const Common& common) {
-    Simulation simulation = make_shear_box(box, common.seed, 1, common.serial);
+    Simulation simulation = make_shear_box(box, common.seed, 1);
     add_fines(simulation, box, {.vci = box.vci.back()}, common.seed, false);
     return simulation.schedule().explain();
 }

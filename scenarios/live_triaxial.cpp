@@ -290,7 +290,7 @@ void LiveRun::prepare() {
                               })
                     .state;
     progress_.pause();
-    at_start_.emplace(make_simulation(scene_, 1, common_.serial));
+    at_start_.emplace(make_simulation(scene_, 1));
     restore_specimen(*at_start_, scene_, specimen_);
     first_frame_ = frame_of_bodies(at_start_->world());
     first_frame_.corners.clear(); // the analysis has no shape of the membrane

@@ -62,10 +62,8 @@ Simulation make_simulation(const Settle& settings, const Common& common) {
     World world = make_sphere_bed(bed);
     const bool starts = common.resume.empty(), relaxes = starts && settings.relax;
     if (relaxes && !common.explain) relax_start(world, law, common);
-    Simulation simulation = start(std::move(world), {.law = law,
-                                                     .threads = common.threads,
-                                                     .schedule = {.serial = common.serial},
-                                                     .sleep = settings.sleep});
+    Simulation simulation =
+        start(std::move(world), {.law = law, .threads = common.threads, .sleep = settings.sleep});
     check_first_step(simulation.world());
     if (starts && !(relaxes && common.explain)) check_overlaps(simulation.divide_now());
     return simulation;

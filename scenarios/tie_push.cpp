@@ -47,8 +47,8 @@ class PushRun {
 public:
     PushRun(const TieBed& bed, const Common& common, const Archive& made, const TieTest& test,
             unsigned threads, const ReportProgress& report)
-        : bed_(bed), test_(test),
-          simulation_(make_tie_bed(bed, common.seed, threads, common.serial)), common_(common) {
+        : bed_(bed), test_(test), simulation_(make_tie_bed(bed, common.seed, threads)),
+          common_(common) {
         common_.out = common.out / name_of(test);
         fs::create_directories(common_.out);
         run_ = std::make_unique<Run>(simulation_, common_, "tie_push", report);
@@ -187,7 +187,7 @@ void check_options(const TieBed& bed, const Common& common) {
 void run(const TieBed& bed, const Common& common) {
     const std::vector<TieTest> tests = tests_of(bed);
     Progress progress = make_progress(common);
-    Simulation making = make_tie_bed(bed, common.seed, common.threads, common.serial);
+    Simulation making = make_tie_bed(bed, common.seed, common.threads);
     Run of_bed(making, common, "specimen", progress_slot(progress, 0));
     make_bed(of_bed, making, common, settings_of_tests);
     const Archive made = making.snapshot();
@@ -213,7 +213,7 @@ void run(const TieBed& bed, const Common& common) {
 }
 
 std::string explain(const TieBed& bed, const Common& common) {
-    Simulation simulation = make_tie_bed(bed, common.seed, 1, common.serial);
+    Simulation simulation = make_tie_bed(bed, common.seed, 1);
     add_fines(simulation, bed, {.vci = bed.vci.back()}, common.seed, false);
     return simulation.schedule().explain();
 }

@@ -98,8 +98,7 @@ public:
         : shared_(shared),
           settings_(settings_at(shared.settings, shared.settings.confining_pressure[number])),
           common_(common_of(shared.common, settings_.confining_pressure, folder)),
-          simulation_(make_simulation(shared.scene, threads, common_.serial)),
-          test_(simulation_, settings_),
+          simulation_(make_simulation(shared.scene, threads)), test_(simulation_, settings_),
           run_(simulation_, common_, "triaxial",
                progress_slot(shared.progress, static_cast<unsigned>(number))) {}
 
@@ -455,7 +454,7 @@ std::string explain(const FouledTriaxial& given, const Common& typed) {
     Common common = typed;
     const FouledTriaxial t = with_card(given, common);
     if (!t.fouling.any()) return explain_triaxial(t, common);
-    Simulation simulation = make_simulation(make_scene(t, common.seed), 1, common.serial);
+    Simulation simulation = make_simulation(make_scene(t, common.seed), 1);
     add_fouling(simulation.world(), t.fouling);
     simulation.prepare();
     return simulation.schedule().explain();

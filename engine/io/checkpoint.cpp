@@ -272,9 +272,9 @@ void require_same_run(const std::string& option, const std::filesystem::path& pa
 }
 
 std::span<const std::string_view> settings_that_may_differ() {
-    static constexpr std::array<std::string_view, 12> keys{
+    static constexpr std::array<std::string_view, 11> keys{
         "out",    "assets", "beds",    "threads", "ranks", "memory_GiB",
-        "config", "resume", "explain", "serial",  "quiet", "write"};
+        "config", "resume", "explain", "quiet",   "write"};
     return keys;
 }
 

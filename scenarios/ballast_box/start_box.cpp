@@ -20,10 +20,8 @@ Simulation make(const BallastBox& box, const Common& common, bool divides) {
     World world = make_box_world(box, common.seed);
     const auto bodies = static_cast<double>(world.table<Bodies>().size());
     require_memory("rock_scale", bodies, bytes_of_rocks(bodies, 30), common.memory_limit);
-    return start(std::move(world), {.law = LawName::linear_viscous,
-                                    .threads = common.threads,
-                                    .schedule = {.serial = common.serial},
-                                    .divides = divides});
+    return start(std::move(world),
+                 {.law = LawName::linear_viscous, .threads = common.threads, .divides = divides});
 }
 
 } // namespace

@@ -65,9 +65,8 @@ double hertz_contact_time(double radius, double density, double young_modulus, d
 }
 
 Simulation start_case(World world, const Common& common) {
-    return start(std::move(world), {.law = LawName::hertz_mindlin_viscous,
-                                    .threads = common.threads,
-                                    .schedule = {.serial = common.serial}});
+    return start(std::move(world),
+                 {.law = LawName::hertz_mindlin_viscous, .threads = common.threads});
 }
 
 BulkRun::BulkRun(const Common& common, const BulkSettings& settings, BulkCase bulk_case,

@@ -147,7 +147,7 @@ PreparedSpecimen make_another_packing(const Triaxial& described, const TriaxialS
 Relaxed fill_like(Simulation& simulation, TriaxialTest& test, const TriaxialScene& scene,
                   const PreparedSpecimen& truth, const ModelMismatch& mismatch,
                   std::uint64_t seed) {
-    Simulation true_one = make_simulation(in_mould(truth.scene), 1, false);
+    Simulation true_one = make_simulation(in_mould(truth.scene), 1);
     true_one.restore(truth.state);
     World pushed = make_triaxial_world(in_mould(scene).specimen, scene.clumps, scene.smart_rocks,
                                        scene.sample.rocks, scene.poses);

@@ -79,7 +79,7 @@ std::vector<std::vector<std::size_t>> neighbours_of(const World& world,
 
 TriaxialModel::TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
                              const Archive& specimen, const RockParameters& parameters)
-    : simulation_(make_simulation(scene, 1, false)),
+    : simulation_(make_simulation(scene, 1)),
       test_(simulation_, with_friction(settings, parameters.friction)) {
     restore_specimen(simulation_, scene, specimen);
     const auto& parts = world().resource<Specimen>();

@@ -116,7 +116,7 @@ void check_shear_box(const ShearBox& box) {
                         2 * least, box.preparation_pressure));
 }
 
-Simulation make_shear_box(const ShearBox& box, std::uint64_t seed, unsigned threads, bool serial) {
+Simulation make_shear_box(const ShearBox& box, std::uint64_t seed, unsigned threads) {
     check_shear_box(box);
     const std::vector<Clump> clumps = rocks_among(clumps_of(box.rocks.clumps));
     const double volume = box.area() * box.height;
@@ -129,12 +129,11 @@ Simulation make_shear_box(const ShearBox& box, std::uint64_t seed, unsigned thre
             fmt::format("--length, --width: expected at least {:g} times the largest rock of "
                         "{:.1f} mm (--least-box, --rock-scale), found {:.1f} mm",
                         box.least_box, 1e3 * largest, 1e3 * side));
-    return make_shear_box(box, clumps, sample, seed, threads, serial);
+    return make_shear_box(box, clumps, sample, seed, threads);
 }
 
 Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
-                          const RockSample& sample, std::uint64_t seed, unsigned threads,
-                          bool serial) {
+                          const RockSample& sample, std::uint64_t seed, unsigned threads) {
     World world = make_world(Grains::clumps);
     auto& materials = world.resource<Materials>();
     const Material rock = read_rock_material(box.material).material("rock");
@@ -167,10 +166,8 @@ Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
     world.resource<RockBed>().first_grain = static_cast<EntityId>(world.table<Bodies>().size());
     world.add_resource(halves);
     world.add_resource(ShearState{});
-    return start(std::move(world), {.law = LawName::linear_viscous,
-                                    .threads = threads,
-                                    .schedule = {.serial = serial},
-                                    .energy_budget = true});
+    return start(std::move(world),
+                 {.law = LawName::linear_viscous, .threads = threads, .energy_budget = true});
 }
 
 void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& test,

@@ -67,11 +67,10 @@ struct ShearState {
 };
 
 /// The simulation of a box with its rocks still parked. Throws InputError.
-Simulation make_shear_box(const ShearBox& box, std::uint64_t seed, unsigned threads, bool serial);
+Simulation make_shear_box(const ShearBox& box, std::uint64_t seed, unsigned threads);
 /// The same with given rocks.
 Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
-                          const RockSample& sample, std::uint64_t seed, unsigned threads,
-                          bool serial);
+                          const RockSample& sample, std::uint64_t seed, unsigned threads);
 
 /// A test of one specimen: its normal stress (Pa) and its void contaminant index (%).
 struct ShearTest {

@@ -64,7 +64,7 @@ void check_tie_bed(const TieBed& bed) {
                         bed.displacement / 10, bed.interval));
 }
 
-Simulation make_tie_bed(const TieBed& bed, std::uint64_t seed, unsigned threads, bool serial) {
+Simulation make_tie_bed(const TieBed& bed, std::uint64_t seed, unsigned threads) {
     check_tie_bed(bed);
     const std::vector<Clump> clumps = rocks_among(clumps_of(bed.rocks.clumps));
     const double length = mould_length(bed), width = bed.width(),
@@ -123,9 +123,7 @@ Simulation make_tie_bed(const TieBed& bed, std::uint64_t seed, unsigned threads,
     limits.low -= Vec3::Constant(length);
     limits.high += Vec3::Constant(length);
     world.add_resource(TieState{});
-    return start(
-        std::move(world),
-        {.law = LawName::linear_viscous, .threads = threads, .schedule = {.serial = serial}});
+    return start(std::move(world), {.law = LawName::linear_viscous, .threads = threads});
 }
 
 void add_fines(Simulation& simulation, const TieBed& bed, const TieTest& test, std::uint64_t seed,

@@ -40,7 +40,7 @@ struct TieBed {
 void check_tie_bed(const TieBed& bed);
 
 /// The simulation of a bed with its rocks still parked. Throws InputError.
-Simulation make_tie_bed(const TieBed& bed, std::uint64_t seed, unsigned threads, bool serial);
+Simulation make_tie_bed(const TieBed& bed, std::uint64_t seed, unsigned threads);
 
 /// A test of a bed: its void contaminant index (%), and whether the tie has a shoulder.
 struct TieTest {

@@ -95,7 +95,7 @@ MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings&
     const TriaxialScene scene = in_mould(of_test);
     Common of_specimen = common_of_specimen(common);
     if (begin) of_specimen.beds = "none"; // the settings do not say where it places the rocks
-    Simulation simulation = make_simulation(scene, common.threads, common.serial);
+    Simulation simulation = make_simulation(scene, common.threads);
     TriaxialTest test(simulation, settings);
     Run run(simulation, of_specimen, "specimen", report);
     const BedStore store(of_specimen, simulation, "specimen");
@@ -110,8 +110,7 @@ MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings&
     const auto advance = [&](Simulation&) {
         if (is_made()) return false;
         if (!is_prepared()) return test.advance() && !is_made();
-        if (!trial)
-            trial.emplace(scene, settings, simulation.snapshot(), common.threads, common.serial);
+        if (!trial) trial.emplace(scene, settings, simulation.snapshot(), common.threads);
         if (trial->advance()) return true;
         test.judge(trial->core_porosity());
         of_trials.steps += trial->count().steps;

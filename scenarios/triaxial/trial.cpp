@@ -31,9 +31,8 @@ TriaxialSettings trial_settings(const TriaxialSettings& preparation) {
 } // namespace
 
 TrialConsolidation::TrialConsolidation(const TriaxialScene& scene, const TriaxialSettings& settings,
-                                       const Archive& specimen, unsigned threads, bool serial)
-    : simulation_(make_simulation(scene, threads, serial)),
-      test_(simulation_, trial_settings(settings)) {
+                                       const Archive& specimen, unsigned threads)
+    : simulation_(make_simulation(scene, threads)), test_(simulation_, trial_settings(settings)) {
     simulation_.restore(specimen);
 }
 

@@ -12,7 +12,7 @@ class TrialConsolidation {
 public:
     /// `specimen`: State of the prepared specimen of a scene. `settings`: of its preparation.
     TrialConsolidation(const TriaxialScene& scene, const TriaxialSettings& settings,
-                       const Archive& specimen, unsigned threads, bool serial);
+                       const Archive& specimen, unsigned threads);
 
     /// Runs one block of steps; returns false when the copy is in equilibrium. Throws
     /// SimulationError.

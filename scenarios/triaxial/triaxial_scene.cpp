@@ -176,12 +176,10 @@ TriaxialScene in_mould(TriaxialScene scene) {
     return scene;
 }
 
-Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {
+Simulation make_simulation(const TriaxialScene& s, unsigned threads) {
     World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
-    Simulation simulation = start(std::move(world), {.law = s.specimen.law,
-                                                     .threads = threads,
-                                                     .schedule = {.serial = serial},
-                                                     .energy_budget = true});
+    Simulation simulation =
+        start(std::move(world), {.law = s.specimen.law, .threads = threads, .energy_budget = true});
     simulation.world().add_resource<TriaxialState>();
     return simulation;
 }
@@ -242,9 +240,7 @@ void require_sensor_for_each(const std::vector<SmartRockPose>& poses,
 }
 
 std::string explain_triaxial(const Triaxial& settings, const Common& common) {
-    return make_simulation(make_scene(settings, common.seed), 1, common.serial)
-        .schedule()
-        .explain();
+    return make_simulation(make_scene(settings, common.seed), 1).schedule().explain();
 }
 
 } // namespace bris

@@ -187,7 +187,7 @@ TriaxialScene in_mould(TriaxialScene scene);
 
 /// The simulation of a scene with its neighbour lists, energy budget and list of steps, before
 /// filling begins.
-Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool serial);
+Simulation make_simulation(const TriaxialScene& scene, unsigned threads);
 
 /// Restores a prepared specimen, whose contacts are linear, in a simulation of its scene. Hertz
 /// contacts begin without tangential force.

@@ -6,6 +6,7 @@
 #include "engine/parallel.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <type_traits>
 
@@ -13,15 +14,79 @@ namespace bris::detail {
 
 namespace {
 
-/// Near rows per chunk. The forces between chunks take a detour over lists, so there are no more
-/// chunks than keep all threads busy. Chunks of contacts with boundaries are so small that even
-/// contacts at twice the limit of overlap cannot leave the range of their sum.
+/// Near rows of contacts with boundaries per chunk: so few that even contacts at twice the limit of
+/// overlap cannot leave the range of their sum. Whether they do must not depend on the threads.
+constexpr std::size_t boundary_rows_per_chunk = 128;
+
+/// Cuts the bodies into chunks, one after another.
 template <class Pairs>
-std::size_t rows_per_chunk(std::size_t rows) {
-    if (!std::is_same_v<Pairs, SpherePairs>) return 128;
-    constexpr std::size_t least = 256, chunks_per_thread = 4;
-    const std::size_t threads = team_size();
-    return threads == 1 ? rows : std::max(rows / (chunks_per_thread * threads), least);
+class ChunkCutter {
+public:
+    explicit ChunkCutter(NearIndex<Pairs>& index) : index_(index) { index_.chunks.clear(); }
+    /// Near rows of the bodies before `body` that are in no chunk yet.
+    Row rows_before(Row body) const { return index_.owned_first[body] - index_.owned_first[next_]; }
+    /// Ends a chunk before this body. Without near rows its bodies go into the next one.
+    void end_before(Row body) {
+        const Row first = index_.owned_first[next_], last = index_.owned_first[body];
+        if (first == last) return;
+        index_.chunks.push_back({next_, body, first, last, flags_, 0, 0});
+        flags_ += (last - first + index_.group - 1) / index_.group;
+        next_ = body;
+    }
+    std::size_t flags() const { return flags_; }
+
+private:
+    NearIndex<Pairs>& index_;
+    Row next_ = 0;          ///< first body that is in no chunk yet
+    std::size_t flags_ = 0; ///< bytes of `touching`
+};
+
+/// Work of the contacts of each body, in units of a near pair that does not touch.
+class Work {
+public:
+    explicit Work(const World& world)
+        : near_(world.column<NearSpheres, NearPair>()),
+          owned_(world.resource<NearIndex<SpherePairs>>().owned_first) {
+        const Table& pairs = world.table<SpherePairs>();
+        if (pairs.has<Spring>()) spring_ = pairs.column<Spring>();
+    }
+    std::uint64_t of(Row body) const {
+        constexpr std::uint64_t of_contact = 16;
+        std::uint64_t sum = 0;
+        for (Row k = owned_[body]; k < owned_[body + 1]; ++k)
+            sum += !spring_.empty() && Spring::keep(spring_[near_[k].pair]) ? of_contact : 1;
+        return sum;
+    }
+
+private:
+    std::span<const NearEntry> near_;
+    std::span<const SpringRow> spring_; ///< empty where the law has no history
+    const std::vector<Row>& owned_;
+};
+
+/// Cuts the bodies so that each thread has a part of equal work. Its chunks become smaller towards
+/// the end of the part, so that a thread that is delayed leaves little to wait for; there are no
+/// more, because the forces between chunks take a detour over lists.
+void cut_equal_parts(const Work& work, Row bodies, ChunkCutter<SpherePairs>& cutter) {
+    constexpr std::array<double, 4> ends{0.5, 0.75, 0.875, 1}; // of the chunks of a part
+    constexpr std::size_t least = 200; // near rows of a part, of some ten microseconds
+    const std::size_t threads =
+        std::min<std::size_t>(team_size(), cutter.rows_before(bodies) / least);
+    if (threads <= 1) return;
+    std::uint64_t all = 0, done = 0;
+    for (Row b = 0; b < bodies; ++b) all += work.of(b);
+    std::size_t cut = 0;
+    const auto next_cut = [&] {
+        return (static_cast<double>(cut / ends.size()) + ends[cut % ends.size()]) *
+               static_cast<double>(all) / static_cast<double>(threads);
+    };
+    const std::size_t last = threads * ends.size() - 1; // of the cuts: the end of all bodies
+    for (Row b = 0; b < bodies && cut < last; ++b) {
+        done += work.of(b);
+        if (static_cast<double>(done) < next_cut()) continue;
+        cutter.end_before(b + 1);
+        while (cut < last && next_cut() <= static_cast<double>(done)) ++cut;
+    }
 }
 
 /// Bodies outside a chunk on which its contacts may exert forces, sorted.
@@ -66,11 +131,21 @@ public:
                     owns(here, b) ? b : static_cast<Row>(start[c] + static_cast<std::size_t>(at));
             }
         });
+        if (std::is_same_v<Pairs, SpherePairs>) note_across();
         for (std::size_t k = index_.size(); k < target_.size(); ++k)
             target_[k] = 0; // of padding, which is never stored
     }
 
 private:
+    void note_across() {
+        index_.across.clear();
+        for (NearChunk& here : index_.chunks) {
+            here.first_across = index_.across.size();
+            for (Row k = here.first; k < here.last; ++k)
+                if (!owns(here, target_[k])) index_.across.push_back(k);
+            here.last_across = index_.across.size();
+        }
+    }
     Row partner(Row near_row) const { return pairs_[near_[near_row].pair].partner_body; }
     /// Boundaries belong to no chunk, because the units of their torques differ.
     static bool owns(const NearChunk& chunk, Row body) {
@@ -82,7 +157,7 @@ private:
         for_chunks(index_.chunks.size(), 1,
                    [&](std::size_t c, std::size_t, std::size_t) { visit(c, index_.chunks[c]); });
     }
-    const NearIndex<Pairs>& index_;
+    NearIndex<Pairs>& index_;
     std::span<const NearEntry> near_;
     std::span<const PairRowNumbers> pairs_;
     std::span<Row> target_;
@@ -92,21 +167,19 @@ private:
 } // namespace
 
 template <class Pairs>
-void divide_into_chunks(NearIndex<Pairs>& index) {
-    const std::size_t rows = index.size(), target = rows_per_chunk<Pairs>(rows);
-    const std::vector<Row>& owned = index.owned_first;
-    index.chunks.clear();
-    std::size_t flags = 0;
-    for (Row body = 0; owned[body] < rows;) {
-        const auto next =
-            std::upper_bound(owned.begin() + body + 1, owned.end(), owned[body] + target);
-        const auto last = std::max<Row>(static_cast<Row>(next - owned.begin()) - 1, body + 1);
-        index.chunks.push_back({body, last, owned[body], owned[last], flags});
-        flags += (owned[last] - owned[body] + index.group - 1) / index.group;
-        body = last;
+void divide_into_chunks(World& world) {
+    auto& index = world.resource<NearIndex<Pairs>>();
+    const Row bodies = static_cast<Row>(index.owned_first.size()) - 1;
+    ChunkCutter<Pairs> cutter(index);
+    if constexpr (std::is_same_v<Pairs, SpherePairs>) {
+        cut_equal_parts(Work(world), bodies, cutter);
+    } else {
+        for (Row b = 0; b < bodies; ++b)
+            if (cutter.rows_before(b + 1) > boundary_rows_per_chunk) cutter.end_before(b);
     }
+    cutter.end_before(bodies);
     index.beyond_limit.assign(index.chunks.size(), no_row);
-    index.touching.assign(flags, 0);
+    index.touching.assign(cutter.flags(), 0);
     for (const NearChunk& c : index.chunks) {
         const Row count = c.last - c.first;
         for (Row k = 0; k < count; k += index.group) {
@@ -116,10 +189,10 @@ void divide_into_chunks(NearIndex<Pairs>& index) {
         }
     }
 }
-template void divide_into_chunks(NearIndex<SpherePairs>&);
-template void divide_into_chunks(NearIndex<PlanePairs>&);
-template void divide_into_chunks(NearIndex<FacetPairs>&);
-template void divide_into_chunks(NearIndex<MembranePairs>&);
+template void divide_into_chunks<SpherePairs>(World&);
+template void divide_into_chunks<PlanePairs>(World&);
+template void divide_into_chunks<FacetPairs>(World&);
+template void divide_into_chunks<MembranePairs>(World&);
 
 void direct_forces(World& world) {
     const auto list_of = world.column<Bodies, SumsFromOthers>();

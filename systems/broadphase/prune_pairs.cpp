@@ -68,7 +68,7 @@ void list_near(World& world, Near&& near_bits) {
     index.centred = world.table<Bodies>().has<SphereInertia>();
     index.awake.clear();
     index.look.clear();
-    detail::divide_into_chunks(index);
+    detail::divide_into_chunks<Pairs>(world);
 }
 
 /// `gap`: lower bound (m) of the gap between an enlarged sphere and the boundary.

@@ -6,6 +6,7 @@
 #include "components/kinds.hpp"
 #include "engine/health.hpp"
 #include "engine/lane_math.hpp"
+#include "engine/prefetch.hpp"
 #include "engine/quad_math.hpp"
 #include "engine/rows.hpp"
 
@@ -76,6 +77,14 @@ public:
           sum_(sums.column<ContactSum>()), sums_(sums), grid_(grid), census_(census),
           boundaries_(boundaries) {}
 
+    /// Prefetches the lists of bodies [first, last), which other threads have written.
+    void prefetch_lists(Row first, Row last) const {
+        for (Row b = first; b < last; ++b)
+            if (list_[b] != no_row) {
+                prefetch<true>(&sum_[list_[b]]);
+                prefetch(&sums_.column<NextSum>()[list_[b]]);
+            }
+    }
     /// Sums by row of the body.
     const SumRow* rows() const { return sum_; }
 

@@ -105,6 +105,7 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
 ///   double gap(near), radius(near)  of one pair: gap between the surfaces, effective radius, m
 ///   void prefetch_positions(near)   prefetches what touching() will read for these eight pairs
 ///   void prefetch_rows(to, rows)    prefetches what the tile after the next will read
+///   void prefetch_partner(to, row)  prefetches what a pair reads and writes of its partner
 ///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes whose overlap or
 ///                                            force is beyond the limit
 template <class Law, class Geometry, class Pairs>
@@ -119,6 +120,9 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
     Separated separated;
     const bool far =
         index.size() > (index.centred ? near_spheres_in_cache : near_rows_of_clumps_in_cache);
+    if (!far) // other threads have written these rows
+        for (std::size_t k = here.first_across; k < here.last_across; ++k)
+            geometry.prefetch_partner(to, index.across[k]);
     for (Row first = here.first; first < here.last; first += near_rows_per_block) {
         const Row last = std::min<Row>(first + near_rows_per_block, here.last);
         const std::size_t count =

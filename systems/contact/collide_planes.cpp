@@ -49,6 +49,7 @@ struct PlaneGeometry {
         to.prefetch_rows(rows, own);
     }
 
+    void prefetch_partner(const detail::TileTarget&, Row) const {} // few, and in every cache
     template <class Law>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
         std::array<std::size_t, lane_count> slot, own; // own: rows of bodies

@@ -40,6 +40,12 @@ struct SphereSurfaces {
             movers.bodies_of([&](std::size_t q) { return to.near[rows[q]].other; }));
         to.prefetch_rows(rows, own);
     }
+    void prefetch_partner(const TileTarget& to, Row row) const {
+        const Row slot = to.near[row].other;
+        prefetch(&movers.sphere_row[slot]);
+        movers.prefetch_row(movers.body_of(slot));
+        prefetch<true>(&to.sums.of_partner(row));
+    }
 };
 
 } // namespace bris::detail

@@ -99,6 +99,7 @@ void sum_contacts(Rows<Bodies, const SumsFromOthers, const SpheresOf, Force, Tor
                   const Census& census, const BoundarySums& boundaries, Alarm& alarm) {
     const detail::BodySums body_sums(bodies, sums, grid, census, boundaries);
     Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
+    body_sums.prefetch_lists(bodies.first(), bodies.last());
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         const detail::NetForce net = body_sums.take(b, alarm);
         store(force[b], net.force);

@@ -138,7 +138,13 @@ struct Movers {
         for (std::size_t q = 0; q < lane_count; ++q) bodies[q] = body_of(slot_of(q));
         return bodies;
     }
-    /// Prefetches what contacts read of these bodies, except positions of their spheres.
+    /// Prefetches what contacts read of a body, except positions of its spheres.
+    void prefetch_row(std::size_t b) const {
+        prefetch(&motion[b]);
+        if (kick != nullptr) prefetch(&kick[b]);
+        if (centre != nullptr) prefetch(&centre[b]);
+    }
+    /// The same of several bodies.
     void prefetch_rows(const std::array<std::size_t, lane_count>& bodies) const {
         for (const std::size_t b : bodies) prefetch(&motion[b]);
         if (kick != nullptr)

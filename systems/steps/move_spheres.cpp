@@ -49,6 +49,19 @@ void write_columns(const MovedSpheres& bodies, const Places& listed) {
         store(bodies.column<Velocity>()[b], load(&motion[b].vx));
         store(bodies.column<StepAngularVelocity>()[b], load(&motion[b].omega_x));
         store(bodies.column<Acceleration>()[b], load(&kick[b].ax));
+        bodies.column<AngularVelocity>()[b] = {kick[b].spin_x, kick[b].spin_y, motion[b].spin_z};
+    }
+}
+
+/// Writes the spins, as write_columns reads them, of bodies whose columns are current.
+void keep_spins(const MovedSpheres& bodies) {
+    MotionRow* motion = bodies.column<RigidMotion>();
+    KickRow* kick = bodies.column<Kick>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        const Vec3& spin = bodies.column<AngularVelocity>()[b];
+        kick[b].spin_x = spin.x();
+        kick[b].spin_y = spin.y();
+        motion[b].spin_z = spin.z();
     }
 }
 
@@ -68,6 +81,7 @@ void move_bodies(const MovedSpheres& bodies, const SumRows& sums, const Places& 
     rotate_spheres(bodies, s.clock);
     update_sphere_positions(bodies, listed);
     update_kicks(bodies);
+    keep_spins(bodies);
     bound_displacement(bodies, lists);
     watch_motion(bodies, s.limits, s.clock, s.census, alarm);
 }
@@ -83,7 +97,9 @@ public:
                                                          lanes(s.gravity.value.y()),
                                                          lanes(s.gravity.value.z())},
           dt_(s.clock.dt), observed_(observed), columns_are_due_(columns.due),
-          columns_are_current_(columns.current) {}
+          columns_are_current_(columns.current) {
+        sums_.prefetch_lists(bodies.first(), bodies.last());
+    }
 
     /// Moves the spheres from row `first` on. Sets used_up() and alarmed() if one of them calls for
     /// it.
@@ -117,7 +133,6 @@ private:
         rows_of(bodies_.column<RigidMotion>());
         rows_of(bodies_.column<Kick>());
         rows_of(bodies_.column<AngularMomentum>());
-        rows_of(bodies_.column<AngularVelocity>());
         rows_of(bodies_.column<PrunedAt>());
         rows_of(bodies_.column<Mass>());
         rows_of(bodies_.column<InertialMass>());
@@ -168,9 +183,9 @@ private:
                                                           }));
                         });
         put<AngularMomentum>(rows, momentum);
-        put<AngularVelocity>(rows, omega);
         if (columns_are_due_) {
             put<Acceleration>(rows, a);
+            put<AngularVelocity>(rows, omega);
             put<Velocity>(rows, v);
             put<Position>(rows, x);
             put<StepAngularVelocity>(rows, step_omega);
@@ -180,8 +195,8 @@ private:
         };
         write(x, place[3], [&](int q) { return &sphere[q].x; });
         write(v, inverse_mass, [&](int q) { return &motion[q].vx; });
-        write(step_omega, Lane{}, [&](int q) { return &motion[q].omega_x; });
-        predict(rows, a, omega - step_omega);
+        write(step_omega, omega.z, [&](int q) { return &motion[q].omega_x; });
+        predict(rows, a, omega - step_omega, omega);
         const Vec3Lanes gone = x - vector<PrunedAt>(rows);
         const Lane distance = sqrt(dot(gone, gone));
         if (columns_are_due_) store(bodies_.column<DisplacementBound>(), rows, distance);
@@ -207,11 +222,12 @@ private:
     }
     static Vec3Lanes vector_of(const FourLanes& rows) { return {rows[0], rows[1], rows[2]}; }
     /// What only dashpots read.
-    void predict(LaneRows rows, const Vec3Lanes& a, const Vec3Lanes& w) const {
+    void predict(LaneRows rows, const Vec3Lanes& a, const Vec3Lanes& w,
+                 const Vec3Lanes& omega) const {
         KickRow* kick = bodies_.column<Kick>() + rows.first;
-        store_rows(transpose({a.x, a.y, a.z, Lane{}}), lane_count,
+        store_rows(transpose({a.x, a.y, a.z, omega.x}), lane_count,
                    [&](int q) { return &kick[q].ax; });
-        store_rows(transpose({w.x, w.y, w.z, Lane{}}), lane_count,
+        store_rows(transpose({w.x, w.y, w.z, omega.y}), lane_count,
                    [&](int q) { return &kick[q].omega_x; });
     }
 
@@ -289,6 +305,7 @@ void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, cons
         sum_contacts(others, sums, grid, census, boundaries, alarm); // clears them
         update_sphere_positions(others, listed);
         update_kicks(others);
+        keep_spins(others);
         bound_displacement(others, lists);
         watch_motion(others, limits, clock, census, alarm);
     });

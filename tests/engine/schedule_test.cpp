@@ -1,3 +1,4 @@
+#include "engine/health.hpp"
 #include "engine/parallel.hpp"
 #include "engine/schedule.hpp"
 #include "engine/simulation.hpp"
@@ -230,7 +231,7 @@ TEST_SUITE("engine/schedule") {
         World in_order = world_of(1000);
         StepList plain = list;
         for (System& s : plain) s.row_local.reset();
-        Schedule fused(list, {.grain = 7}), unfused(plain, {.serial = true});
+        Schedule fused(list, {.grain = 7}), unfused(plain);
         fused.prepare(world);
         unfused.prepare(in_order);
         Threads team(3);
@@ -240,6 +241,24 @@ TEST_SUITE("engine/schedule") {
         }
         CHECK(std::ranges::equal(world.column<Cells, A>(), in_order.column<Cells, A>()));
         CHECK(std::ranges::equal(world.column<Others, D>(), in_order.column<Others, D>()));
+    }
+
+    TEST_CASE("systems that raise one alarm share a pass, but not with a system that reads it") {
+        World world = world_of(10);
+        world.add_resource(Alarm{});
+        const auto raise_for_a = +[](Rows<Cells, const A>, Alarm& alarm) { alarm.raise(); };
+        const auto raise_for_b = +[](Rows<Cells, const B>, Alarm& alarm) { alarm.raise(); };
+        const auto ask = +[](Rows<Cells, C> cells, const Alarm& alarm) {
+            for (Row r = cells.first(); r < cells.last(); ++r)
+                cells.column<C>()[r] = alarm.raised ? 1 : 0;
+        };
+        const std::string text =
+            explained({row_local("left", b_from_a), row_local("raise", raise_for_a),
+                       row_local("raise again", raise_for_b), row_local("ask", ask),
+                       row_local("join", a_from_b_and_c)},
+                      world);
+        CHECK(has(text, "\"left + raise + raise again\""));
+        CHECK(has(text, "\"ask + join\""));
     }
 
     TEST_CASE("a system that combines others runs in their place where nothing else runs between "
@@ -307,7 +326,7 @@ TEST_SUITE("engine/schedule") {
         CHECK(has(text, "n0 -> n1;"));
     }
 
-    TEST_CASE("serial order, task graph and another valid order give the same bits") {
+    TEST_CASE("the list, the task graph and another valid order give the same bits") {
         const StepList list{system("left", b_from_a), system("right", c_from_a),
                             system("look", d_from_all_b), system("join", a_from_b_and_c)};
         const auto run = [&](unsigned threads, ScheduleSettings settings) {
@@ -323,11 +342,11 @@ TEST_SUITE("engine/schedule") {
             all.push_back(world.column<Others, D>()[1]);
             return all;
         };
-        const auto reference = run(1, {.serial = true});
-        CHECK(run(2, {.serial = true}) == reference);
-        CHECK(run(1, {}) == reference);
+        const auto reference = run(1, {});
         CHECK(run(2, {}) == reference);
-        CHECK(run(3, {}) == reference);
+        CHECK(run(1, {.overlap = true}) == reference);
+        CHECK(run(2, {.overlap = true}) == reference);
+        CHECK(run(3, {.overlap = true}) == reference);
         CHECK(run(2, {.last_order = true}) == reference);
     }
 
@@ -335,11 +354,11 @@ TEST_SUITE("engine/schedule") {
         const StepList list{system("left", b_from_a), system("right", c_from_a),
                             system("join", a_from_b_and_c)};
         World world = world_of(50), other = world_of(50);
-        Schedule plain(list, {.serial = true});
+        Schedule plain(list);
         plain.prepare(other);
         Threads team(2);
         std::vector<Schedule> schedules;
-        schedules.emplace_back(list);
+        schedules.emplace_back(list, ScheduleSettings{.overlap = true});
         schedules[0].prepare(world);
         team.run([&] { schedules[0].run(world); });
         schedules.reserve(10); // moves the schedule in memory

@@ -162,7 +162,7 @@ const std::vector<Scene>& scenes() {
 const SmallSceneSettings plain{
     .dt = 2e-5,
     .lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .sort_every = 8, .tune = false},
-    .schedule = {.serial = true, .grain = 16}};
+    .schedule = {.grain = 16}};
 
 Archive state_after(const Scene& scene, SmallSceneSettings settings) {
     settings.law = scene.law;
@@ -195,20 +195,20 @@ TEST_SUITE("invariance/fingerprint") {
             return s;
         };
         const std::vector<Variant> variants{
-            {"graph, 1 thread", with([](SmallSceneSettings& s) { s.schedule.serial = false; })},
+            {"graph, 1 thread", with([](SmallSceneSettings& s) { s.schedule.overlap = true; })},
             {"graph, 2 threads", with([](SmallSceneSettings& s) {
-                 s.schedule.serial = false;
+                 s.schedule.overlap = true;
                  s.threads = 2;
              })},
             {"graph, 3 threads", with([](SmallSceneSettings& s) {
-                 s.schedule.serial = false;
+                 s.schedule.overlap = true;
                  s.threads = 3;
              })},
             {"graph, 7 threads", with([](SmallSceneSettings& s) {
-                 s.schedule.serial = false;
+                 s.schedule.overlap = true;
                  s.threads = 7;
              })},
-            {"serial, 2 threads", with([](SmallSceneSettings& s) { s.threads = 2; })},
+            {"list, 2 threads", with([](SmallSceneSettings& s) { s.threads = 2; })},
             {"each system in a separate pass",
              with([](SmallSceneSettings& s) { s.schedule.fused = false; })},
             {"no system in place of several others",
@@ -328,7 +328,7 @@ TEST_SUITE("invariance/fingerprint") {
                 const Archive saved = sim.snapshot();
                 settings.lists = {}; // other skins in the continued run
                 settings.threads = 2;
-                settings.schedule.serial = false;
+                settings.schedule.overlap = true;
                 Simulation other = begin(scene.make(), settings);
                 Simulation& next = fresh ? other : sim;
                 if (!fresh) sim.advance(37); // some steps that are then undone

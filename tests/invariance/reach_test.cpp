@@ -59,7 +59,7 @@ SmallSceneSettings with_skins(double outer, double inner) {
     return {.dt = 2e-5,
             .law = LawName::linear_bridge,
             .lists = {.outer_skin = outer, .inner_skin = inner, .tune = false},
-            .schedule = {.serial = true, .grain = 16}};
+            .schedule = {.grain = 16}};
 }
 
 /// Number of pairs of a kind on which a force acts beyond touch.
@@ -107,7 +107,7 @@ TEST_SUITE("invariance/reach") {
             CHECK(run(with_skins(0.01, 0.004)) == reference); // larger than the reach
             SmallSceneSettings threads = with_skins(0.004, 0.0004);
             threads.threads = 3;
-            threads.schedule.serial = false;
+            threads.schedule.overlap = true;
             CHECK(run(threads) == reference);
             SmallSceneSettings free = with_skins(0, 0);
             free.lists = {.sort_every = 1};

@@ -32,7 +32,7 @@ struct Benchmark {
     unsigned spheres = 2000, rounds = 9;
     std::uint64_t steps = 400;
     unsigned timing_threads = 1;
-    bool one_pass = true;
+    bool one_pass = true, overlap = false;
     std::string variant;
 
     void declare_options(auto& option) {
@@ -43,6 +43,7 @@ struct Benchmark {
                within(1, 4096));
         option("one_pass", one_pass, "",
                "Run systems that work row by row in one pass over the rows.");
+        option("overlap", overlap, "", "Run systems that share no data at once, as a task graph.");
         option("variant", variant, "", "Part of the name of the variants to run; all if empty.");
     }
 };
@@ -202,8 +203,7 @@ void add_ten_sensors(World& world) {
     add_sensors(world, hosts, std::move(samples), {});
 }
 
-Case make_case(const Benchmark& s, const Common& common, const Variant& v,
-               const std::vector<Vec3>& positions) {
+Case make_case(const Benchmark& s, const Variant& v, const std::vector<Vec3>& positions) {
     World world = bed_under(s, v.law);
     const double half = world.resource<Limits>().high.x();
     for (std::size_t k = 0; k < positions.size(); ++k)
@@ -220,7 +220,7 @@ Case make_case(const Benchmark& s, const Common& common, const Variant& v,
     Case c{v,
            std::make_unique<Simulation>(
                std::move(world), steps(v.law, v.also == Also::energy_budget), s.timing_threads,
-               ScheduleSettings{.serial = common.serial, .fused = s.one_pass, .least_rows = 0}),
+               ScheduleSettings{.overlap = s.overlap, .fused = s.one_pass, .least_rows = 0}),
            nullptr, spheres};
     c.simulation->advance(
         std::max<std::uint64_t>(s.steps, 12000)); // until it is at rest, with warm caches and lists
@@ -290,7 +290,7 @@ void run(const Benchmark& s, const Common& common) {
     std::vector<Case> cases;
     for (const Variant& v : variants)
         if (std::string_view(v.name).find(s.variant) != std::string_view::npos)
-            cases.push_back(make_case(s, common, v, positions));
+            cases.push_back(make_case(s, v, positions));
     for (unsigned round = 0; round < s.rounds; ++round)
         for (Case& c : cases) run_block(s, c);
     report(s, common, cases);

@@ -40,7 +40,7 @@ SmallSceneSettings plain() {
     return {.dt = 2e-5,
             .law = LawName::linear_viscous,
             .lists = {.outer_skin = 0.002, .inner_skin = 0.0004, .sort_every = 3, .tune = false},
-            .schedule = {.serial = true, .grain = 16}};
+            .schedule = {.grain = 16}};
 }
 
 Archive undivided(World world, const SmallSceneSettings& settings, std::uint64_t steps) {

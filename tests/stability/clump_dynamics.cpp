@@ -36,9 +36,8 @@ double rocking_period(bool rolls, double dt, double cycles) {
         Vec3(0, 0, radius - 1 * gravity / 1e7 - rise * std::cos(angle));
     world.add_resource<Gravity>({Vec3(0, 0, -gravity)});
     Simulation simulation =
-        begin(std::move(world), {.dt = dt,
-                                 .law = rolls ? LawName::linear : LawName::linear_frictionless,
-                                 .schedule = {.serial = true}});
+        begin(std::move(world),
+              {.dt = dt, .law = rolls ? LawName::linear : LawName::linear_frictionless});
     // from the first upward zero of the tilt to a later one, interpolated linearly between steps
     double before = angle, first = -1, last = 0, count = 0;
     while (count <= cycles) {
@@ -80,7 +79,7 @@ void add_flips(StressRows& rows, double dt, int flips) {
     const auto material = world.resource<Materials>().add(linear_material(1, 1, 0, 1));
     const EntityId body = add_clump(world, shape, 0, Vec3::Zero(), Quat::Identity(), material);
     set_angular_velocity(world, body, angular_velocity);
-    Simulation simulation = begin(std::move(world), {.dt = dt, .schedule = {.serial = true}});
+    Simulation simulation = begin(std::move(world), {.dt = dt});
     const double twice_energy = angular_velocity.cwiseAbs2().dot(inertia),
                  momentum2 = angular_velocity.cwiseProduct(inertia).squaredNorm();
     const double i1 = inertia.z(), i2 = inertia.y(), i3 = inertia.x();

@@ -57,7 +57,7 @@ std::vector<Variant> variants(double diameter, unsigned threads) {
     list.push_back({"systems in another valid order", plain});
     list.back().setup.schedule.last_order = true;
     list.push_back({"systems in sequence", plain});
-    list.back().setup.schedule = {.serial = true, .fused = false, .grain = 16};
+    list.back().setup.schedule = {.fused = false, .grain = 16};
     return list;
 }
 

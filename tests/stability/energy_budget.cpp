@@ -107,9 +107,7 @@ Impact impact(LawName law, double degrees, double friction, bool pair, double dt
         add_sphere(world, Vec3(0, 0, -radius), radius, material);
     else
         add_floor(world, material);
-    Simulation simulation =
-        begin(std::move(world),
-              {.dt = dt, .law = law, .schedule = {.serial = true}, .energy_budget = true});
+    Simulation simulation = begin(std::move(world), {.dt = dt, .law = law, .energy_budget = true});
     const double start = budget_of(simulation.world()).energy;
     Impact found;
     simulation.advance(4);

@@ -23,7 +23,7 @@ void add_top(StressRows& rows, std::uint64_t steps) {
     const EntityId body = add_clump(world, shape, 0, Vec3::Zero(), Quat::Identity(), material);
     set_angular_velocity(world, body, Vec3(0.1, 1, 0.1)); // about the middle axis: it flips
     const double dt = 0.01;
-    Simulation simulation = begin(std::move(world), {.dt = dt, .schedule = {.serial = true}});
+    Simulation simulation = begin(std::move(world), {.dt = dt});
     const auto energy = [&] {
         const Vec3 local = value_of<Orientation>(simulation, body).conjugate() *
                            value_of<AngularVelocity>(simulation, body);

@@ -39,8 +39,7 @@ double rebound(LawName law, double restitution, Tension tension, double steps, d
     const double speed = 0.5, dt = contact_time(law, value_of<Mass>(world, ball), speed) / steps;
     value_of<Position>(world, ball) = Vec3(0, 0, radius + speed * dt * (10 - phase));
     value_of<Velocity>(world, ball) = Vec3(0, 0, -speed);
-    Simulation simulation =
-        begin(std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}});
+    Simulation simulation = begin(std::move(world), {.dt = dt, .law = law});
     simulation.advance(static_cast<std::uint64_t>(20 * steps) +
                        20); // overdamped contacts part late
     return value_of<Velocity>(simulation, ball).z() / speed;
@@ -81,8 +80,7 @@ double bouncing_error(LawName law, double steps, unsigned bounces) {
     add_plane(world, host, Vec3(0, 0, -radius - gap / 2), Vec3::UnitZ());
     add_plane(world, host, Vec3(0, 0, radius + gap / 2), -Vec3::UnitZ());
     value_of<Velocity>(world, ball) = Vec3(0, 0, speed);
-    Simulation simulation =
-        begin(std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}});
+    Simulation simulation = begin(std::move(world), {.dt = dt, .law = law});
     const auto each = static_cast<std::uint64_t>(1.173 * steps); // a flight and a contact
     double worst = 0;
     for (unsigned k = 0; k < bounces; ++k) {
@@ -132,9 +130,7 @@ void add_friction(StressRows& rows) {
         const double dt = 5e-6, slide = 4000 * dt,
                      speed = mu > 0 ? 3.5 * mu * gravity * slide : 0.1;
         value_of<Velocity>(world, ball) = Vec3(speed, 0, 0);
-        Simulation simulation =
-            begin(std::move(world),
-                  {.dt = dt, .law = LawName::linear_viscous, .schedule = {.serial = true}});
+        Simulation simulation = begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
         simulation.advance(2000);
         const double halfway = value_of<Velocity>(simulation, ball).x() / speed,
                      exact_halfway = mu > 0 ? 1 - 1.0 / 7 : 1;

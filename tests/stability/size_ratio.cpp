@@ -73,8 +73,7 @@ double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
     value_of<AngularMomentum>(world, ball) = -0.5 * dt * value_of<SphereInertia>(world, ball) *
                                              turning * (g.large() + Groove::small) / Groove::small *
                                              Vec3(-1, 0, 0);
-    Simulation simulation =
-        begin(std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}});
+    Simulation simulation = begin(std::move(world), {.dt = dt, .law = law});
     // the mean over the last tenth removes small vibrations of the contacts
     const std::uint64_t last = steps / 10;
     simulation.advance(steps - last);
@@ -147,8 +146,7 @@ void add_heavy_on_light(StressRows& rows) {
     world.add_resource(LocalDamping{0.7});
     const double dt = 0.2 * std::sqrt(value_of<Mass>(world, 0) / stiffness),
                  ratio = value_of<Mass>(world, ball) / value_of<Mass>(world, 0);
-    Simulation simulation =
-        begin(std::move(world), {.dt = dt, .law = LawName::linear, .schedule = {.serial = true}});
+    Simulation simulation = begin(std::move(world), {.dt = dt, .law = LawName::linear});
     const std::string refusal =
         refusal_of([&] { find_equilibrium(simulation, {.ratio = 1e-5, .longest = 1'000'000}); });
     const Quantities q = compute_quantities(simulation.world());

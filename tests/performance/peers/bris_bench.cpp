@@ -16,6 +16,7 @@
 #include "systems/output/quantities.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
+#include "tests/performance/machine.hpp"
 #include "tests/performance/peers/make_bed.hpp"
 #include "tests/performance/peers/moving_walls.hpp"
 
@@ -34,11 +35,10 @@ struct Benchmark {
     std::string scene = "settle", law = "linear";
     std::filesystem::path bed, positions;
     bool make = false, profile = false, sleep = false, one_pass = true, combined = true,
-         huge_pages = true, serial = false;
+         huge_pages = true, overlap = false;
     double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
-    std::uint64_t least_rows = ScheduleSettings{}.least_rows,
-                  most_graph_rows = ScheduleSettings{}.most_graph_rows;
+    std::uint64_t least_rows = ScheduleSettings{}.least_rows;
     unsigned spheres = 2000, threads = 1, worlds = 1;
     double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0;
     std::uint64_t check_steps = 200, steps = 1000;
@@ -76,12 +76,11 @@ struct Benchmark {
                "Run systems that work row by row in one pass over the rows.");
         option("combined", combined, "",
                "Let one system take the place of several that run in one pass.");
-        option("serial", serial, "",
-               "Run the systems one after another instead of as a task graph.");
+        option("overlap", overlap, "",
+               "Run systems that share no data at once, as a task graph, instead of one after "
+               "another.");
         option("least_rows", least_rows, "",
                "Number of rows of all tables from which on several threads are used.");
-        option("most_graph_rows", most_graph_rows, "",
-               "Number of rows of all tables up to which the task graph is used.");
         option("huge_pages", huge_pages, "", "Allow huge pages for large columns.");
         option("worlds", worlds, "",
                "Number of copies of the scene. Several copies run at once, each on one thread, and "
@@ -126,6 +125,9 @@ ListSettings lists_of(const Benchmark& s, const peers::Bed& bed) {
 struct Outcome {
     std::vector<Vec3> pressures;     ///< Pa, on the moving planes of a bed under pressure
     double check_wall = 0, wall = 0; ///< s, wall time of the check steps and of the timed steps
+    /// s, wall time of a timed step when nothing else disturbs the machine: the tenth percentile of
+    /// the means over parts of them.
+    double undisturbed = 0;
     /// J, s, number of spheres in contact with a sphere, MB.
     double energy = 0, stable_step = 0, coordination = 0, peak_memory = 0;
     Quantities quantities;
@@ -147,6 +149,23 @@ double ghost_share(const World& part) {
     return ghosts / (static_cast<double>(ghost.size()) - ghosts);
 }
 
+/// Mean wall times of a step (s) in up to forty parts of the steps, sorted.
+std::vector<double> advance_in_parts(Simulation& simulation, std::uint64_t steps) {
+    // the last step of a part is observed: so few that it does not count
+    const std::uint64_t parts = std::clamp<std::uint64_t>(steps / 100, 1, 40);
+    std::vector<double> step_times;
+    for (std::uint64_t done = 0, k = 1; k <= parts; ++k) {
+        const std::uint64_t count = steps * k / parts - done;
+        if (count == 0) continue;
+        const auto began = this_instant();
+        simulation.advance_unseen(count);
+        step_times.push_back(seconds_since(began) / static_cast<double>(count));
+        done += count;
+    }
+    std::ranges::sort(step_times);
+    return step_times;
+}
+
 Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Bed& bed,
                   unsigned threads) {
     const LawName law = peers::law_named(s.law);
@@ -154,12 +173,11 @@ Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Be
     add_lists(scene_world, law, lists_of(s, bed));
     if (s.sleep) add_sleep(scene_world, {});
     Simulation simulation(std::move(scene_world), steps(law), threads,
-                          {.serial = s.serial,
+                          {.overlap = s.overlap,
                            .fused = s.one_pass,
                            .combined = s.combined,
                            .timed = s.profile,
-                           .least_rows = s.least_rows,
-                           .most_graph_rows = s.most_graph_rows});
+                           .least_rows = s.least_rows});
     divide_among_ranks(simulation);
     const World& world = simulation.world();
 
@@ -184,13 +202,14 @@ Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Be
 
     const Ranks::Traffic sent = Ranks::traffic();
     const auto began = this_instant();
-    simulation.advance_unseen(s.steps);
+    const std::vector<double> step_times = advance_in_parts(simulation, s.steps);
     if (const World* part = simulation.part()) {
         o.sent = Ranks::traffic() - sent;
         o.ghost_share = Ranks::largest(ghost_share(*part));
     }
     simulation.look();
     o.wall = seconds_since(began);
+    o.undisturbed = step_times[step_times.size() / 10];
 
     o.peak_memory = static_cast<double>(largest_memory()) / 1e6; // MB
     o.rebuilds = world.resource<ListState>().rebuilds - before.rebuilds;
@@ -208,9 +227,11 @@ void report(const Benchmark& s, const peers::Bed& bed, const Outcome& o) {
     for (const Vec3& p : o.pressures)
         fmt::print("pressure {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
     fmt::print("code=bris scene={} law={} spheres={} threads={} worlds={} check_steps={} steps={} "
-               "wall_s={:.6g} particle_steps_per_s={:.5g} check_wall_s={:.6g} ",
+               "wall_s={:.6g} particle_steps_per_s={:.5g} check_wall_s={:.6g} "
+               "undisturbed_step_s={:.5g} line_round_trip_ns={:.0f} ",
                s.scene, s.law, bed.balls.size(), s.threads, s.worlds, s.check_steps, s.steps,
-               o.wall, spheres * static_cast<double>(s.steps) / o.wall, o.check_wall);
+               o.wall, spheres * static_cast<double>(s.steps) / o.wall, o.check_wall, o.undisturbed,
+               s.threads > 1 ? 1e9 * line_round_trip() : 0.0);
     const Quantities& q = o.quantities;
     fmt::print("kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} ",
                o.energy, o.coordination, q.boundary_force.z() / q.weight.z());

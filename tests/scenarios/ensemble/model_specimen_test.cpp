@@ -64,7 +64,7 @@ const Truth& the_truth() {
 }
 
 Simulation restored(const PreparedSpecimen& specimen) {
-    Simulation simulation = make_simulation(specimen.scene, 1, false);
+    Simulation simulation = make_simulation(specimen.scene, 1);
     simulation.restore(specimen.state);
     return simulation;
 }
@@ -116,7 +116,7 @@ TEST_SUITE("ensemble/model_specimen") {
         for (const ModelMismatch& mismatch : {ModelMismatch{}, ModelMismatch{.placement = 1e-3},
                                               ModelMismatch{.placement = 2e-3, .rotation = 0.05}}) {
             CAPTURE(mismatch.name());
-            Simulation simulation = make_simulation(truth.specimen.scene, 1, false);
+            Simulation simulation = make_simulation(truth.specimen.scene, 1);
             TriaxialTest test(simulation, truth.described.test);
             const Relaxed relaxed =
                 fill_like(simulation, test, truth.specimen.scene, truth.specimen, mismatch, 1);

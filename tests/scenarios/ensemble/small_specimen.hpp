@@ -45,7 +45,7 @@ inline TriaxialSettings short_test() {
 
 /// A specimen before the confining pressure is applied.
 inline Archive prepared(const TriaxialScene& scene) {
-    Simulation simulation = make_simulation(scene, 1, false);
+    Simulation simulation = make_simulation(scene, 1);
     TriaxialTest test(simulation, short_test());
     while (test.state().phase < TriaxialPhase::consolidate) REQUIRE(test.advance());
     return simulation.snapshot();

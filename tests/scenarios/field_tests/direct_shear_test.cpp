@@ -97,7 +97,7 @@ TEST_SUITE("direct_shear") {
         constexpr double friction = 0.3;
         ShearedBox sheared(
             box, {.normal_stress = 50e3},
-            [&] { return make_shear_box(box, {block()}, sample, 1, 1, false); }, folder.path());
+            [&] { return make_shear_box(box, {block()}, sample, 1, 1); }, folder.path());
         World& world = sheared.simulation.world();
         auto& materials = world.resource<Materials>();
         const auto& bed = world.resource<RockBed>();
@@ -139,7 +139,7 @@ TEST_SUITE("direct_shear") {
         const TemporaryDirectory folder;
         const ShearBox box = small_box();
         const auto fresh = [&](unsigned threads) {
-            return [&box, threads] { return make_shear_box(box, 1, threads, false); };
+            return [&box, threads] { return make_shear_box(box, 1, threads); };
         };
         Simulation bed = fresh(1)();
         Run making(bed, bris::testing::quiet_run("direct_shear", folder.path()), "specimen");
@@ -277,13 +277,13 @@ TEST_SUITE("direct_shear") {
         ShearBox packed = small_box();
         packed.fines = "grains";
         packed.fines_size = 1e-3;
-        Simulation simulation = make_shear_box(packed, 1, 1, false);
+        Simulation simulation = make_shear_box(packed, 1, 1);
         CHECK(refusal_of([&] {
                   add_fines(simulation, packed, {.vci = 140}, 1, true);
               }).find("--fines-size") == 0);
         ShearBox narrow = small_box();
         narrow.least_box = 6;
-        CHECK(refusal_of([&] { (void)make_shear_box(narrow, 1, 1, false); }).find("--least-box") !=
+        CHECK(refusal_of([&] { (void)make_shear_box(narrow, 1, 1); }).find("--least-box") !=
               std::string::npos);
     }
 }

@@ -41,7 +41,7 @@ TEST_SUITE("tie_push") {
         common.out = folder.path();
         common.quiet = true;
         const TieBed bed = small_bed();
-        Simulation making = make_tie_bed(bed, 1, 2, false);
+        Simulation making = make_tie_bed(bed, 1, 2);
         Run(making, common, "specimen").go(make_bed_phases());
         const Archive made = making.snapshot();
         CHECK(std::as_const(making).world().resource<RockBedState>().porosity ==
@@ -52,7 +52,7 @@ TEST_SUITE("tie_push") {
             std::uint64_t fingerprint;
         };
         const auto push = [&](bool with_shoulder, unsigned threads) {
-            Simulation simulation = make_tie_bed(bed, 1, threads, false);
+            Simulation simulation = make_tie_bed(bed, 1, threads);
             simulation.restore(made);
             SeriesOf<PushSample> curve("push");
             Run(simulation, common, "tie_push")
@@ -92,7 +92,7 @@ TEST_SUITE("tie_push") {
         CHECK(refusal_of([&] { check_tie_bed(close); }).find("--spacing") == 0);
         TieBed coarse = small_bed();
         coarse.rocks.scale = 2;
-        CHECK(refusal_of([&] { (void)make_tie_bed(coarse, 1, 1, false); }).find("--spacing") == 0);
+        CHECK(refusal_of([&] { (void)make_tie_bed(coarse, 1, 1); }).find("--spacing") == 0);
         TieBed few = small_bed();
         few.interval = 1e-3;
         CHECK(refusal_of([&] { check_tie_bed(few); }).find("--interval") == 0);

@@ -35,7 +35,7 @@ struct CyclicTest {
     TriaxialTest test;
     CyclicTest(const LoadCycles& cycles, unsigned threads = 1, const SpecimenSettings& rocks = {},
                const Archive* from = nullptr)
-        : scene(small_scene(rocks)), simulation(make_simulation(scene, threads, false)),
+        : scene(small_scene(rocks)), simulation(make_simulation(scene, threads)),
           test(simulation, cyclic(cycles)) {
         if (from != nullptr)
             simulation.restore(*from);

@@ -35,7 +35,7 @@ TriaxialSettings at_porosity(double porosity, double tolerance = 0.01) {
 /// Touching pairs per rock of a specimen as it was prepared, under the platen. The limit of
 /// overlaps is higher from when rocks are vibrated or tapped until they are sheared, and only then.
 double contacts_of(const TriaxialSettings& settings) {
-    Simulation simulation = make_simulation(small_scene(), 1, false);
+    Simulation simulation = make_simulation(small_scene(), 1);
     TriaxialTest test(simulation, settings);
     double contacts = 0;
     while (test.state().phase < TriaxialPhase::consolidate) {
@@ -64,7 +64,7 @@ TEST_SUITE("triaxial/preparation") {
             const TriaxialSettings settings = at_porosity(porosity, 0.005);
             const MadeSpecimen made =
                 make_specimen(small_scene(), settings, common, [](const PhaseProgress&) {});
-            Simulation simulation = make_simulation(small_scene(), 1, false);
+            Simulation simulation = make_simulation(small_scene(), 1);
             TriaxialTest test(simulation, settings);
             simulation.restore(made.state);
             while (test.advance()) {
@@ -83,7 +83,7 @@ TEST_SUITE("triaxial/preparation") {
     TEST_CASE(
         "a specimen that a trial consolidation found too dense is poured anew and aims higher, "
         "with its sensor rocks held where they were given") {
-        Simulation simulation = make_simulation(small_scene(), 1, false);
+        Simulation simulation = make_simulation(small_scene(), 1);
         const TriaxialSettings settings = at_porosity(0.40);
         TriaxialTest test(simulation, settings);
         const auto prepare = [&] {
@@ -119,7 +119,7 @@ TEST_SUITE("triaxial/preparation") {
     TEST_CASE(
         "a porosity that no trial consolidation meets ends the preparation with the number of "
         "trials") {
-        Simulation simulation = make_simulation(small_scene(), 1, false);
+        Simulation simulation = make_simulation(small_scene(), 1);
         TriaxialTest test(simulation, at_porosity(0.40));
         while (test.state().phase < TriaxialPhase::consolidate) REQUIRE(test.advance());
         CHECK_THROWS_WITH_AS(
@@ -140,7 +140,7 @@ TEST_SUITE("triaxial/preparation") {
     }
 
     TEST_CASE("a porosity above that of poured rocks is refused with the one that can be reached") {
-        Simulation simulation = make_simulation(small_scene(), 1, false);
+        Simulation simulation = make_simulation(small_scene(), 1);
         TriaxialTest test(simulation, at_porosity(0.58));
         CHECK_THROWS_WITH_AS(
             [&] {
@@ -152,8 +152,7 @@ TEST_SUITE("triaxial/preparation") {
 
     TEST_CASE("the pressure of the platen during preparation follows the contact stiffness") {
         const auto pressure_of = [](double stiffness, double given) {
-            Simulation simulation =
-                make_simulation(small_scene({.clump_stiffness = stiffness}), 1, false);
+            Simulation simulation = make_simulation(small_scene({.clump_stiffness = stiffness}), 1);
             TriaxialSettings settings = at_porosity(0.40);
             settings.preparation_pressure = given;
             TriaxialTest test(simulation, settings);
@@ -188,7 +187,7 @@ TEST_SUITE("triaxial/preparation") {
     }
 
     TEST_CASE("platens keep a friction coefficient of their own when that of the rocks changes") {
-        Simulation simulation = make_simulation(small_scene({.platen_friction = 0.1}), 1, false);
+        Simulation simulation = make_simulation(small_scene({.platen_friction = 0.1}), 1);
         set_friction(simulation.world(), 0.5);
         const auto& materials = simulation.world().resource<Materials>();
         const auto& specimen = simulation.world().resource<Specimen>();

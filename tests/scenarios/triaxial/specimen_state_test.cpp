@@ -37,7 +37,7 @@ World world_of(const Triaxial& t) {
 // A specimen under a platen at 100 kPa; `largest_step` (m) of the platen limits that of sensor
 // rocks.
 Simulation pressed_specimen(double largest_step) {
-    Simulation simulation = make_simulation(make_scene(small(), 1), 1, false);
+    Simulation simulation = make_simulation(make_scene(small(), 1), 1);
     World& world = simulation.world();
     forget_lists(world);
     world.resource<Clock>().change_step(1e-6);

@@ -79,7 +79,7 @@ TEST_SUITE("triaxial/triaxial") {
         for (const SpecimenSettings& specimen :
              {SpecimenSettings{},
               SpecimenSettings{.sensor_density = 1200, .sensor_friction = 0.25}}) {
-            Simulation simulation = make_simulation(small_scene(specimen), 1, false);
+            Simulation simulation = make_simulation(small_scene(specimen), 1);
             TriaxialTest test(simulation, short_test());
             while (test.advance()) {
             }
@@ -126,7 +126,7 @@ TEST_SUITE("triaxial/triaxial") {
             TriaxialSettings settings = short_test();
             settings.confining_pressure = confining;
             settings.final_axial_strain = 1e-3;
-            Simulation simulation = make_simulation(scene, threads, false);
+            Simulation simulation = make_simulation(scene, threads);
             restore_specimen(simulation, scene, specimen);
             TriaxialTest test(simulation, settings);
             while (test.advance()) {
@@ -166,7 +166,7 @@ TEST_SUITE("triaxial/triaxial") {
         settings.final_axial_strain = 1e-3;
         Archive half_way;
         const auto run = [&](unsigned threads, const Archive& from, bool resumes) {
-            Simulation simulation = make_simulation(scene, threads, false);
+            Simulation simulation = make_simulation(scene, threads);
             if (resumes)
                 simulation.restore(from);
             else
@@ -206,7 +206,7 @@ TEST_SUITE("triaxial/triaxial") {
     }
 
     TEST_CASE("the progress of a test names in each phase what is awaited, with its target") {
-        Simulation simulation = make_simulation(small_scene(), 1, false);
+        Simulation simulation = make_simulation(small_scene(), 1);
         TriaxialSettings settings = short_test();
         settings.final_axial_strain = 2e-4;
         TriaxialTest test(simulation, settings);
@@ -289,7 +289,7 @@ TEST_SUITE("triaxial/triaxial") {
         const Archive& stage = saved[4];
         for (const unsigned threads : {1u, 2u, 3u, 7u})
             CHECK(end_from(stage, small_test(threads, {}, {.grain = 16})) == whole);
-        CHECK(end_from(stage, small_test(2, {}, {.serial = true})) == whole);
+        CHECK(end_from(stage, small_test(2, {}, {.overlap = true})) == whole);
         CHECK(end_from(stage, small_test(2, {}, {.last_order = true, .grain = 16})) == whole);
         CHECK(end_from(stage, small_test(1, {.sort_every = 0})) == whole);
         CHECK(end_from(stage, small_test(1, {.sort_every = 1})) == whole);
