@@ -81,8 +81,9 @@ struct Observation {
 };
 
 /// Where only contacts read the motion of single spheres from step to step (move_spheres), the
-/// columns Position, Velocity, Acceleration and StepAngularVelocity are written only in steps in
-/// which they are due. Meanwhile ListedPosition, RigidMotion and Kick have the motion.
+/// columns Position, Velocity, Acceleration, AngularVelocity and StepAngularVelocity are written
+/// only in steps in which they are due. Meanwhile ListedPosition, RigidMotion and Kick have the
+/// motion; the spins are valid in them only if move_spheres or keep_spins wrote them last.
 struct MotionColumns {
     static constexpr auto name = "motion_columns";
     bool due = true;      ///< the present step writes them

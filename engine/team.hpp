@@ -12,8 +12,8 @@ namespace bris::detail {
 using ChunkBody = void (*)(void* context, std::size_t chunk);
 
 /// The chunks of one loop, divided among threads. Each thread has consecutive chunks of its own and
-/// takes them from the front: in all loops over the same bodies the same part, whose rows are then
-/// in its cache. A thread that has none left takes those of others, from the back.
+/// takes them from the front: in all loops over the same bodies nearly the same part, whose rows
+/// are then in its cache. A thread that has none left takes those of others, from the back.
 class Division {
 public:
     explicit Division(unsigned threads) : threads_(threads), parts_(new Part[threads]) {}
@@ -30,9 +30,9 @@ private:
     std::unique_ptr<Part[]> parts_;
 };
 
-/// Threads that work on one loop after another, no more of them than there are processors. Those
-/// that help wait for the next loop without sleeping, because a step has many loops and some of
-/// them take a few microseconds; after a longer pause they leave, and are called again.
+/// Threads that work on one loop after another, no more of them than there are processors or two.
+/// Those that help wait for the next loop without sleeping, because a step has many loops and some
+/// of them take a few microseconds; after a longer pause they leave, and are called again.
 class Team {
 public:
     /// Lets help() run on some other thread, now or later.
