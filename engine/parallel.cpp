@@ -37,11 +37,20 @@ private:
     detail::Team* before_;
 };
 
+/// Does something at the end of a scope, however it ends.
+template <class Do>
+struct AtEnd {
+    Do do_it;
+    ~AtEnd() { do_it(); }
+};
+template <class Do>
+AtEnd(Do) -> AtEnd<Do>;
+
 /// Lets the team run the chunks, if there is one.
 bool run_with_team(std::size_t chunks, detail::ChunkBody body, void* context) {
     detail::Team* const team = led;
     if (team == nullptr) return false;
-    const Lead nobody(nullptr); // a loop inside a chunk must not use the team
+    const ManyLeaders nobody; // a loop inside a chunk must not use the team
     team->run(chunks, body, context);
     return true;
 }
@@ -65,7 +74,7 @@ void Threads::run(const std::function<void()>& work) {
         std::shared_ptr<std::atomic<bool>> has_left;
         std::jthread thread;
     };
-    std::vector<Helper> helpers; // joined at the end, also if the work fails
+    std::vector<Helper> helpers;
     detail::Team others(count_, [&](const auto& help) {
         std::erase_if(helpers, [](const Helper& helper) { return helper.has_left->load(); });
         auto has_left = std::make_shared<std::atomic<bool>>(false);
@@ -74,18 +83,13 @@ void Threads::run(const std::function<void()>& work) {
                                *has_left = true;
                            })});
     });
-    try {
-        const Lead lead(count_ > 1 ? &others : nullptr);
-        work();
-    } catch (...) {
+    const AtEnd dismiss{[&] {
         others.leave();
-        helpers.clear();
+        helpers.clear(); // joins them
         team = 1;
-        throw;
-    }
-    others.leave();
-    helpers.clear();
-    team = 1;
+    }};
+    const Lead lead(count_ > 1 ? &others : nullptr);
+    work();
 }
 
 unsigned team_size() { return team; }
@@ -116,16 +120,12 @@ void Threads::run(const std::function<void()>& work) {
         if (count_ == 1) return work();
         tbb::task_group helpers;
         detail::Team team(count_, [&](const auto& help) { helpers.run(help); });
-        try {
-            const Lead lead(&team);
-            work();
-        } catch (...) {
+        const AtEnd dismiss{[&] {
             team.leave();
             helpers.wait();
-            throw;
-        }
-        team.leave();
-        helpers.wait();
+        }};
+        const Lead lead(&team);
+        work();
     });
 }
 

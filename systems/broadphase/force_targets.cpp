@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <numeric>
 #include <type_traits>
 
 namespace bris::detail {
@@ -73,8 +74,10 @@ void cut_equal_parts(const Work& work, Row bodies, ChunkCutter<SpherePairs>& cut
     const std::size_t threads =
         std::min<std::size_t>(team_size(), cutter.rows_before(bodies) / least);
     if (threads <= 1) return;
-    std::uint64_t all = 0, done = 0;
-    for (Row b = 0; b < bodies; ++b) all += work.of(b);
+    std::vector<std::uint64_t> of_body(bodies);
+    for_rows(bodies, [&](Row b) { of_body[b] = work.of(b); });
+    const std::uint64_t all = std::accumulate(of_body.begin(), of_body.end(), std::uint64_t{0});
+    std::uint64_t done = 0;
     std::size_t cut = 0;
     const auto next_cut = [&] {
         return (static_cast<double>(cut / ends.size()) + ends[cut % ends.size()]) *
@@ -82,7 +85,7 @@ void cut_equal_parts(const Work& work, Row bodies, ChunkCutter<SpherePairs>& cut
     };
     const std::size_t last = threads * ends.size() - 1; // of the cuts: the end of all bodies
     for (Row b = 0; b < bodies && cut < last; ++b) {
-        done += work.of(b);
+        done += of_body[b];
         if (static_cast<double>(done) < next_cut()) continue;
         cutter.end_before(b + 1);
         while (cut < last && next_cut() <= static_cast<double>(done)) ++cut;
@@ -131,7 +134,7 @@ public:
                     owns(here, b) ? b : static_cast<Row>(start[c] + static_cast<std::size_t>(at));
             }
         });
-        if (std::is_same_v<Pairs, SpherePairs>) note_across();
+        if (std::is_same_v<Pairs, SpherePairs> && index_.chunks.size() > 1) note_across();
         for (std::size_t k = index_.size(); k < target_.size(); ++k)
             target_[k] = 0; // of padding, which is never stored
     }
