@@ -62,6 +62,21 @@ TEST_SUITE("engine/team") {
         }
     }
 
+    TEST_CASE("what the work itself throws ends it, and the threads serve the next work") {
+        Threads team(3);
+        std::atomic<int> done{0};
+        const auto ten_chunks = [&] {
+            for_chunks(10, 1, [&](std::size_t, std::size_t, std::size_t) { ++done; });
+        };
+        CHECK_THROWS_WITH_AS(team.run([&] {
+            ten_chunks();
+            throw std::runtime_error("bad work");
+        }),
+                             "bad work", std::runtime_error);
+        team.run(ten_chunks);
+        CHECK(done == 20);
+    }
+
     TEST_CASE("threads that left during a pause are called again") {
         std::atomic<int> calls{0};
         std::vector<std::thread> threads;
