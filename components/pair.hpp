@@ -113,9 +113,12 @@ struct PatchShare : Derived<double> {
     static constexpr auto name = "share", unit = "";
 };
 
-/// Row of ForceSums to which the force on the partner of a near pair is added.
-struct PartnerSum : Derived<Row> {
-    static constexpr auto name = "partner_sum", unit = "";
+/// Row of ForceSums to which a near pair adds the force on that of its bodies that does not list
+/// it.
+struct OuterSum : Derived<Row> {
+    static constexpr auto name = "outer_sum", unit = "";
+    /// Bit of the row: the partner lists the pair, so that the row belongs to the owner.
+    static constexpr Row listed_by_partner = Row{1} << 31;
 };
 
 /// The near rows of consecutive bodies, which one thread computes at a time.
@@ -125,18 +128,24 @@ struct NearChunk {
     std::size_t first_across, last_across;  ///< of `across`
 };
 
-/// Index of the near pairs by owner. The near rows of an owner are contiguous.
+/// Index of the near pairs by the body that lists them, whose near rows are contiguous: the owner,
+/// or that with the lower row (`by_row`).
 template <class Pairs>
 struct NearIndex {
     static constexpr auto name = Pairs::name;
     static constexpr unsigned group = Pairs::rows_per_flag; ///< near rows per byte of `touching`
 
-    std::vector<Row> owned_first; ///< bodies + 1
+    std::vector<Row> listed_first; ///< bodies + 1
     std::vector<NearChunk> chunks;
-    /// Near rows whose partner belongs to another chunk of the same kind of pair.
+    /// Near rows one of whose bodies belongs to another chunk of the same kind of pair.
     std::vector<Row> across;
     /// True if every sphere is at the centre of its body: scenes of single spheres.
     bool centred = false;
+    /// Pairs of spheres that are too many for a cache (ListSettings).
+    bool is_far = false;
+    /// Where they are, unless owners accumulate work: no near row reads or pushes a body before the
+    /// one that lists it, so that bodies can move while later contacts are computed.
+    bool by_row = false;
     /// Bit k of byte first_flags + g of a chunk: near row first + group * g + k of the chunk.
     std::vector<std::uint8_t> touching;
     /// Per chunk: a near row beyond the limit of overlap or of force, or no_row.
@@ -148,7 +157,7 @@ struct NearIndex {
     /// awake, whose springs do not change.
     std::vector<std::uint8_t> look;
 
-    std::size_t size() const { return owned_first.empty() ? 0 : owned_first.back(); }
+    std::size_t size() const { return listed_first.empty() ? 0 : listed_first.back(); }
 
     /// Calls visit(near row) for the near rows whose bit is set in `flags`, which is ordered as
     /// `touching`.
@@ -162,7 +171,7 @@ struct NearIndex {
                         k < c.last)
                         visit(static_cast<Row>(k));
     }
-    /// Calls visit(near row) for the touching pairs, owner by owner.
+    /// Calls visit(near row) for the touching pairs, body by body.
     template <class Visit>
     void for_touching(Visit&& visit) const {
         for_flagged(touching, visit);

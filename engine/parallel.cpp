@@ -1,5 +1,7 @@
 #include "engine/parallel.hpp"
 
+#include "engine/loop_times.hpp"
+
 #include <thread>
 #include <utility>
 
@@ -95,7 +97,9 @@ void Threads::run(const std::function<void()>& work) {
 unsigned team_size() { return team; }
 
 void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
-    if (chunks > 1 && run_with_team(chunks, body, context)) return;
+    if (chunks > 1 &&
+        (LoopTimes::run(chunks, body, context) || run_with_team(chunks, body, context)))
+        return;
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) body(context, chunk);
 }
 
@@ -136,7 +140,7 @@ void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
         for (std::size_t chunk = 0; chunk < chunks; ++chunk) body(context, chunk);
         return;
     }
-    if (run_with_team(chunks, body, context)) return;
+    if (LoopTimes::run(chunks, body, context) || run_with_team(chunks, body, context)) return;
     // isolated, because a thread that waits here must not start work of another system
     tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) { body(context, chunk); });

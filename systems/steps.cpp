@@ -104,13 +104,13 @@ StepList contacts_of_step(LawName law, const StepChoices& choices) {
         system("choose_force_grid", choose_force_grid),
         system("share_sphere_patches", share_sphere_patches),
         system("share_plane_patches", share_plane_patches),
-        required(collide_spheres(law, choices)),
         required(collide_facets(law, choices)),
         required(collide_planes(law, choices)),
         required(collide_membrane(law, choices)),
         required(collide_sleeve(law, choices)),
         system("sum_boundaries", sum_boundaries),
         system("share_boundary_forces", share_boundary_forces),
+        required(collide_spheres(law, choices)), // last, so that the pass over bodies can follow
     };
 }
 

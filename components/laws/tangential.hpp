@@ -29,7 +29,8 @@ inline Lane root_near_one(Lane x) {
 
 /// Rotates a stretch with its pair: projects it onto the new tangent plane, keeps its length, and
 /// rotates it about the normal with the mean angular velocity.
-inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, Lane& z) {
+[[gnu::always_inline]] inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x,
+                                                  Lane& y, Lane& z) {
     const Lane sn = x * c.nx + y * c.ny + z * c.nz;
     const Lane sx = x - sn * c.nx, sy = y - sn * c.ny, sz = z - sn * c.nz;
     const Lane angle = c.twist * dt;

@@ -3,6 +3,8 @@
 #include "components/body.hpp"
 #include "components/force_sums.hpp"
 #include "components/kinds.hpp"
+#include "components/late_bodies.hpp"
+#include "components/sphere.hpp"
 #include "engine/parallel.hpp"
 
 #include <algorithm>
@@ -25,11 +27,13 @@ class ChunkCutter {
 public:
     explicit ChunkCutter(NearIndex<Pairs>& index) : index_(index) { index_.chunks.clear(); }
     /// Near rows of the bodies before `body` that are in no chunk yet.
-    Row rows_before(Row body) const { return index_.owned_first[body] - index_.owned_first[next_]; }
-    /// Ends a chunk before this body. Without near rows its bodies go into the next one.
+    Row rows_before(Row body) const {
+        return index_.listed_first[body] - index_.listed_first[next_];
+    }
+    /// Ends a chunk before this body, unless the last one has ended there.
     void end_before(Row body) {
-        const Row first = index_.owned_first[next_], last = index_.owned_first[body];
-        if (first == last) return;
+        if (body == next_) return;
+        const Row first = index_.listed_first[next_], last = index_.listed_first[body];
         index_.chunks.push_back({next_, body, first, last, flags_, 0, 0});
         flags_ += (last - first + index_.group - 1) / index_.group;
         next_ = body;
@@ -42,19 +46,19 @@ private:
     std::size_t flags_ = 0; ///< bytes of `touching`
 };
 
-/// Work of the contacts of each body, in units of a near pair that does not touch.
+/// Work of each body, in units of a near pair that does not touch.
 class Work {
 public:
     explicit Work(const World& world)
         : near_(world.column<NearSpheres, NearPair>()),
-          owned_(world.resource<NearIndex<SpherePairs>>().owned_first) {
+          index_(world.resource<NearIndex<SpherePairs>>()) {
         const Table& pairs = world.table<SpherePairs>();
         if (pairs.has<Spring>()) spring_ = pairs.column<Spring>();
     }
     std::uint64_t of(Row body) const {
-        constexpr std::uint64_t of_contact = 16;
-        std::uint64_t sum = 0;
-        for (Row k = owned_[body]; k < owned_[body + 1]; ++k)
+        constexpr std::uint64_t of_contact = 16, of_motion = 16;
+        std::uint64_t sum = index_.by_row ? of_motion : 0; // which then follows the contacts
+        for (Row k = index_.listed_first[body]; k < index_.listed_first[body + 1]; ++k)
             sum += !spring_.empty() && Spring::keep(spring_[near_[k].pair]) ? of_contact : 1;
         return sum;
     }
@@ -62,7 +66,7 @@ public:
 private:
     std::span<const NearEntry> near_;
     std::span<const SpringRow> spring_; ///< empty where the law has no history
-    const std::vector<Row>& owned_;
+    const NearIndex<SpherePairs>& index_;
 };
 
 /// Cuts the bodies so that each thread has a part of equal work. Its chunks become smaller towards
@@ -99,11 +103,12 @@ public:
     explicit Outside(World& world)
         : index_(world.resource<NearIndex<Pairs>>()),
           near_(world.column<typename Pairs::Near, NearPair>()),
-          pairs_(world.column<Pairs, PairRows>()),
-          target_(world.column<typename Pairs::Near, PartnerSum>()), bodies_(index_.chunks.size()) {
+          pairs_(world.column<Pairs, PairRows>()), body_(world.column<Listed, ListedBody>()),
+          target_(world.column<typename Pairs::Near, OuterSum>()), bodies_(index_.chunks.size()) {
         for_each_chunk([&](std::size_t c, const NearChunk& here) {
-            for (Row k = here.first; k < here.last; ++k)
-                if (const Row b = partner(k); !owns(here, b)) bodies_[c].push_back(b);
+            for_near(here, [&](Row, Row b, bool) {
+                if (!owns(here, b)) bodies_[c].push_back(b);
+            });
             std::ranges::sort(bodies_[c]);
             const auto repeated = std::ranges::unique(bodies_[c]);
             bodies_[c].erase(repeated.begin(), repeated.end());
@@ -127,12 +132,12 @@ public:
                 // pushed onto the body's list; the order does not matter, as integers are added
                 next[row] = std::atomic_ref(list_of[bodies_[c][i]]).exchange(row);
             }
-            for (Row k = here.first; k < here.last; ++k) {
-                const Row b = partner(k);
+            for_near(here, [&](Row k, Row b, bool is_owner) {
                 const auto at = std::ranges::lower_bound(bodies_[c], b) - bodies_[c].begin();
                 target_[k] =
                     owns(here, b) ? b : static_cast<Row>(start[c] + static_cast<std::size_t>(at));
-            }
+                if (is_owner) target_[k] |= OuterSum::listed_by_partner;
+            });
         });
         if (std::is_same_v<Pairs, SpherePairs> && index_.chunks.size() > 1) note_across();
         for (std::size_t k = index_.size(); k < target_.size(); ++k)
@@ -145,11 +150,20 @@ private:
         for (NearChunk& here : index_.chunks) {
             here.first_across = index_.across.size();
             for (Row k = here.first; k < here.last; ++k)
-                if (!owns(here, target_[k])) index_.across.push_back(k);
+                if (!owns(here, target_[k] & ~OuterSum::listed_by_partner))
+                    index_.across.push_back(k);
             here.last_across = index_.across.size();
         }
     }
-    Row partner(Row near_row) const { return pairs_[near_[near_row].pair].partner_body; }
+    /// Calls visit(near row, body that does not list it, whether that is the owner).
+    template <class Visit>
+    void for_near(const NearChunk& chunk, Visit&& visit) const {
+        for (Row b = chunk.first_body; b < chunk.last_body; ++b)
+            for (Row k = index_.listed_first[b]; k < index_.listed_first[b + 1]; ++k) {
+                const Row partner = pairs_[near_[k].pair].partner_body;
+                visit(k, partner == b ? body_[near_[k].owner] : partner, partner == b);
+            }
+    }
     /// Boundaries belong to no chunk, because the units of their torques differ.
     static bool owns(const NearChunk& chunk, Row body) {
         return std::is_same_v<Pairs, SpherePairs> && body >= chunk.first_body &&
@@ -163,8 +177,59 @@ private:
     NearIndex<Pairs>& index_;
     std::span<const NearEntry> near_;
     std::span<const PairRowNumbers> pairs_;
+    std::span<const Row> body_;
     std::span<Row> target_;
     std::vector<std::vector<Row>> bodies_;
+};
+
+/// Notes which groups of bodies another chunk of near rows of spheres than their own pushes. Groups
+/// that lie in two chunks are late, too, and belong to the second.
+class LateGroups {
+public:
+    explicit LateGroups(World& world)
+        : list_of_(world.column<Bodies, SumsFromOthers>()), late_(world.resource<LateBodies>()) {}
+
+    void note(const std::vector<NearChunk>& chunks) {
+        const Row groups = (bodies() + group - 1) / group;
+        late_.is_late.assign(groups, 0);
+        late_.runs.clear();
+        late_.first_run.assign(1, 0);
+        for (const NearChunk& c : chunks) {
+            const Row first = c.first_body / group,
+                      last = c.last_body == bodies() ? groups : c.last_body / group;
+            mark(c, first, last);
+            add_runs(first, last);
+            late_.first_run.push_back(late_.runs.size());
+        }
+    }
+
+private:
+    static constexpr Row group = LateBodies::group;
+
+    Row bodies() const { return static_cast<Row>(list_of_.size()); }
+    void mark(const NearChunk& chunk, Row first, Row last) {
+        constexpr Row fewest = 4; // groups that are worth a call
+        Row begin = first;        // of those that are not late
+        for (Row g = first; g < last; ++g) {
+            const auto rows =
+                list_of_.subspan(std::size_t{g} * group, std::min(group, bodies() - g * group));
+            late_.is_late[g] = g * group < chunk.first_body ||
+                               std::ranges::any_of(rows, [](Row list) { return list != no_row; });
+            if (late_.is_late[g] == 0) continue;
+            if (g - begin < fewest) std::fill_n(&late_.is_late[begin], g - begin, std::uint8_t{1});
+            begin = g + 1;
+        }
+    }
+    void add_runs(Row first, Row last) {
+        for (Row g = first; g < last; ++g) {
+            if (late_.is_late[g] == 0) continue;
+            const Row from = g;
+            while (g < last && late_.is_late[g] != 0) ++g;
+            late_.runs.push_back({from * group, std::min(g * group, bodies())});
+        }
+    }
+    std::span<const Row> list_of_;
+    LateBodies& late_;
 };
 
 } // namespace
@@ -172,13 +237,14 @@ private:
 template <class Pairs>
 void divide_into_chunks(World& world) {
     auto& index = world.resource<NearIndex<Pairs>>();
-    const Row bodies = static_cast<Row>(index.owned_first.size()) - 1;
+    const Row bodies = static_cast<Row>(index.listed_first.size()) - 1;
     ChunkCutter<Pairs> cutter(index);
     if constexpr (std::is_same_v<Pairs, SpherePairs>) {
         cut_equal_parts(Work(world), bodies, cutter);
     } else {
         for (Row b = 0; b < bodies; ++b)
-            if (cutter.rows_before(b + 1) > boundary_rows_per_chunk) cutter.end_before(b);
+            if (cutter.rows_before(b) > 0 && cutter.rows_before(b + 1) > boundary_rows_per_chunk)
+                cutter.end_before(b);
     }
     cutter.end_before(bodies);
     index.beyond_limit.assign(index.chunks.size(), no_row);
@@ -209,6 +275,8 @@ void direct_forces(World& world) {
         sums.resize(first + outside.count());
         outside.assign_rows(first, sums.column<NextSum>(), list_of);
     });
+    const auto& index = world.resource<NearIndex<SpherePairs>>();
+    if (index.by_row) LateGroups(world).note(index.chunks);
 }
 
 } // namespace bris::detail

@@ -95,7 +95,7 @@ struct ClumpSpheres : SphereSurfaces {
             c.twist =
                 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
-        return apply_law<Law>(to, rows, own.data(), count, c,
+        return apply_law<Law>(to, rows, {own.data(), other.data()}, count, c,
                               Levers{{px, py, pz},
                                      {px - xa[0], py - xa[1], pz - xa[2]},
                                      {px - xb[0], py - xb[1], pz - xb[2]}},

@@ -46,10 +46,8 @@ struct PlaneGeometry {
     void prefetch_rows(const TileTarget& to, const Row* rows) const {
         const auto own = movers.bodies_of([&](std::size_t q) { return to.near[rows[q]].owner; });
         movers.prefetch_rows(own);
-        to.prefetch_rows(rows, own);
+        to.prefetch_rows(rows, {own.data(), own.data()});
     }
-
-    void prefetch_partner(const detail::TileTarget&, Row) const {} // few, and in every cache
     template <class Law>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
         std::array<std::size_t, lane_count> slot, own; // own: rows of bodies
@@ -95,7 +93,7 @@ struct PlaneGeometry {
             const Vec3Lanes w = omega - turning;
             c.wx = w.x, c.wy = w.y, c.wz = w.z;
         }
-        return detail::apply_law<Law>(to, rows, own.data(), count, c,
+        return detail::apply_law<Law>(to, rows, {own.data(), own.data()}, count, c,
                                       detail::Levers{point, point - middle, point - pivot},
                                       overlap > deepest * a[3]);
     }
@@ -105,7 +103,7 @@ template <class Law, class Near, class Pairs, class Work>
 struct Collide;
 template <class Law, class... Near, class... Pairs, class... Work>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
-    static void planes(Rows<NearPlanes, const NearPair, const PartnerSum, PairForce, Near...> near,
+    static void planes(Rows<NearPlanes, const NearPair, const OuterSum, PairForce, Near...> near,
                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Planes, const PlanePosition> plane_rows,
                        Rows<PlanePairs, Pairs...> pairs, NearIndex<PlanePairs>& index,

@@ -111,7 +111,7 @@ public:
             c.wz = lane(omega_at + 2);
         }
         const unsigned beyond =
-            apply_law<Law>(to_, rows_.data(), own_.data(), count_, c,
+            apply_law<Law>(to_, rows_.data(), {own_.data(), own_.data()}, count_, c,
                            Levers{vector(point_at), vector(own_arm_at), vector(partner_arm_at)},
                            c.overlap > deepest_ * c.radius, reader_);
         if (beyond != 0) beyond_limit_ = rows_[static_cast<std::size_t>(__builtin_ctz(beyond))];

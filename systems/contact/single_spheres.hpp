@@ -123,7 +123,7 @@ struct SingleSpheres : SphereSurfaces {
             c.uz = sliding.z;
             c.twist = dot(surface, normal) * inverse;
         }
-        return apply_law<Law>(to, rows, own.data(), count, c,
+        return apply_law<Law>(to, rows, {own.data(), other.data()}, count, c,
                               RadialArms<Law::has_rolling>{c, a, b, share},
                               c.overlap > (0.5 * deepest) * reach);
     }

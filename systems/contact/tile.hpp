@@ -19,13 +19,27 @@ namespace bris::detail {
 /// Where the forces of pairs are added, and the units in which.
 struct SumTarget {
     SumRow* sum;
-    const Row* partner;                               ///< row of the partner's sum, by near row
+    const Row* outer; ///< OuterSum, by near row; null: the bodies' own sums
     double per_force, per_torque, per_partner_torque; ///< units per N and N m
 
-    SumTarget(SumRow* sums, const Row* partners, const ForceGrid& grid, bool with_boundary)
-        : sum(sums), partner(partners), per_force(1 / grid.force), per_torque(1 / grid.torque),
+    SumTarget(SumRow* sums, const Row* outer_sums, const ForceGrid& grid, bool with_boundary)
+        : sum(sums), outer(outer_sums), per_force(1 / grid.force), per_torque(1 / grid.torque),
           per_partner_torque(1 / (with_boundary ? grid.host_torque : grid.torque)) {}
-    SumRow& of_partner(Row near_row) const { return sum[partner[near_row]]; }
+    /// The sum of the owner of a near pair, whose row is `body`.
+    SumRow& of_owner(Row near_row, std::size_t body) const {
+        const Row at = outer[near_row] ^ OuterSum::listed_by_partner;
+        return sum[at < OuterSum::listed_by_partner ? at : body];
+    }
+    /// The sum of the partner, whose row is `body`. Of a boundary the row does not matter.
+    SumRow& of_partner(Row near_row, std::size_t body) const {
+        const Row at = outer[near_row];
+        return sum[at < OuterSum::listed_by_partner ? at : body];
+    }
+};
+
+/// Rows of the bodies of lane_count contacts: of boundaries any.
+struct BodiesOfTile {
+    const std::size_t *own, *partner;
 };
 
 /// Columns (J, by body) in which owners accumulate the work that their pairs dissipate. Null: there
@@ -51,11 +65,11 @@ struct TileTarget {
     WorkTarget work;
     LawStep step;
 
-    /// Prefetches the rows that the contacts of these near rows write. `bodies`: rows of the
-    /// owners.
-    void prefetch_rows(const Row* rows, const std::array<std::size_t, lane_count>& bodies) const {
-        for (const std::size_t b : bodies) prefetch<true>(&sums.sum[b]);
-        for (int q = 0; q < lane_count; ++q) prefetch<true>(&sums.of_partner(rows[q]));
+    /// Prefetches the rows that the contacts of these near rows write.
+    void prefetch_rows(const Row* rows, const BodiesOfTile& bodies) const {
+        for (int q = 0; q < lane_count; ++q) prefetch<true>(&sums.of_owner(rows[q], bodies.own[q]));
+        for (int q = 0; q < lane_count; ++q)
+            prefetch<true>(&sums.of_partner(rows[q], bodies.partner[q]));
         if (history.spring != nullptr)
             for (int q = 0; q < lane_count; ++q)
                 prefetch<true>(&history.spring[near[rows[q]].pair]);
@@ -103,7 +117,7 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const BodyRo
         scene.materials.own_pairs.data(),
         laws.size() == 1,
         scene.observation.due,
-        {scene.sums.column<ContactSum>(), near.template column<PartnerSum>(), scene.grid,
+        {scene.sums.column<ContactSum>(), near.template column<OuterSum>(), scene.grid,
          !std::is_same_v<typename NearRows::TableKind, NearSpheres>},
         work,
         {scene.materials.policy, scene.clock.dt, work.friction != nullptr}};
@@ -230,9 +244,9 @@ public:
         partner_ = select(held, partner_, none);
         size_ = held ? size_ : Lane{};
     }
-    /// Adds the first `count` lanes. `rows`: near rows; `bodies`: rows of the owners.
-    [[gnu::always_inline]] void add(const SumTarget& to, const Row* rows, const std::size_t* bodies,
-                                    int count) const {
+    /// Adds the first `count` lanes. `rows`: near rows.
+    [[gnu::always_inline]] void add(const SumTarget& to, const Row* rows,
+                                    const BodiesOfTile& bodies, int count) const {
         const auto integers = [](const Vec3Lanes& v, const Lane& fourth) {
             const auto of = [](const Lane& a) {
                 return reinterpret_cast<Lane>(nearest_integers(a));
@@ -244,10 +258,18 @@ public:
         const auto minus_size =
             reinterpret_cast<Lane>(BitsOfLane{} - reinterpret_cast<BitsOfLane>(size));
         const FourLanes forces = integers(force_, Lane{});
-        add_integer_rows<false>(forces, integers(own_, size), count,
-                                [&](int q) { return &to.sum[bodies[q]].fx; });
-        add_integer_rows<true>(forces, integers(partner_, minus_size), count,
-                               [&](int q) { return &to.of_partner(rows[q]).fx; });
+        const FourLanes own = integers(own_, size), partner = integers(partner_, minus_size);
+        const auto add_to = [&](auto&& sum_of_owner, auto&& sum_of_partner)
+            __attribute__((always_inline)) {
+            add_integer_rows<false>(forces, own, count, sum_of_owner);
+            add_integer_rows<true>(forces, partner, count, sum_of_partner);
+        };
+        if (to.outer == nullptr)
+            add_to([&](int q) { return &to.sum[bodies.own[q]].fx; },
+                   [&](int q) { return &to.sum[bodies.partner[q]].fx; });
+        else
+            add_to([&](int q) { return &to.of_owner(rows[q], bodies.own[q]).fx; },
+                   [&](int q) { return &to.of_partner(rows[q], bodies.partner[q]).fx; });
     }
 
 private:
@@ -293,15 +315,15 @@ struct NoReader {
 };
 
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid
-/// rows), advances their springs and adds their forces to both bodies by `arms` (Levers). `own`:
-/// rows of the owners. `too_deep`: bits of the contacts beyond the limit of overlap. `reader` is
+/// rows), advances their springs and adds their forces to both bodies by `arms` (Levers).
+/// `too_deep`: bits of the contacts beyond the limit of overlap. `reader` is
 /// then called with the near rows, their number, their forces, and the bits of those whose force is
 /// beyond the grid and was not added. Returns these bits and those of the contacts beyond the
 /// limit.
 template <class Law, class Arms, class Reader = NoReader>
 [[gnu::always_inline]] inline unsigned
-apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int count, ContactLanes& c,
-          const Arms& arms, LaneMask too_deep, const Reader& reader = {}) {
+apply_law(const TileTarget& to, const Row* rows, const BodiesOfTile& bodies, int count,
+          ContactLanes& c, const Arms& arms, LaneMask too_deep, const Reader& reader = {}) {
     if (to.share != nullptr) {
         alignas(64) std::array<double, lane_count> share;
         for (std::size_t q = 0; q < lane_count; ++q) share[q] = to.share[rows[q]];
@@ -358,8 +380,8 @@ apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int cou
         record(to, rows, count, f, c.overlap, arms.contact_point());
         if (left_out != 0) units.drop_beyond();
     }
-    units.add(to.sums, rows, own, count);
-    if (to.work.friction != nullptr) add_work(to.work, own, count, f.work, left_out);
+    units.add(to.sums, rows, bodies, count);
+    if (to.work.friction != nullptr) add_work(to.work, bodies.own, count, f.work, left_out);
     reader(rows, count, f, left_out);
     return beyond & ((1u << count) - 1);
 }

@@ -120,18 +120,14 @@ private:
     /// Number of spheres whose rows fill a cache of some ten megabytes.
     static constexpr std::size_t spheres_in_cache = 20000;
 
-    /// Prefetches the rows of lane_count spheres. They lie in more places than the processor
-    /// follows by itself.
+    /// Prefetches those rows of lane_count spheres that contacts have not read. They lie in more
+    /// places than the processor follows by itself.
     void prefetch_group(Row first) const {
         if (first + lane_count > bodies_.size()) return;
         const auto rows_of = [&](const auto* table) {
             const auto* at = reinterpret_cast<const char*>(table + first);
             for (std::size_t k = 0; k < lane_count * sizeof *table; k += 64) prefetch<true>(at + k);
         };
-        rows_of(sums_.rows());
-        rows_of(sphere_);
-        rows_of(bodies_.column<RigidMotion>());
-        rows_of(bodies_.column<Kick>());
         rows_of(bodies_.column<AngularMomentum>());
         rows_of(bodies_.column<PrunedAt>());
         rows_of(bodies_.column<Mass>());

@@ -1,3 +1,4 @@
+#include "components/late_bodies.hpp"
 #include "engine/state.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "systems/loads/rail.hpp"
@@ -139,6 +140,12 @@ const std::vector<Scene>& scenes() {
              return world;
          },
          LawName::linear, 2000},
+        {"clumps in a box of planes, whose patches share one stiffness",
+         [] {
+             World world = bed({.grains = Grains::clumps, .bodies = 48, .seed = seed});
+             world.resource<Materials>().policy.patch = PatchStiffness::shared;
+             return world;
+         }},
         {"clumps in a box of facets, whose edges yield",
          [] {
              World world = bed(
@@ -237,6 +244,23 @@ TEST_SUITE("invariance/fingerprint") {
                  s.lists.outer_skin = 0.0005;
                  s.lists.inner_skin = 0.0001;
              })},
+            {"bodies move while contacts are computed",
+             with([](SmallSceneSettings& s) { s.lists = beyond_cache(s.lists); })},
+            {"the same on 3 threads, sorted at every rebuild", with([](SmallSceneSettings& s) {
+                 s.threads = 3;
+                 s.lists = beyond_cache(s.lists);
+                 s.lists.sort_every = 1;
+                 s.lists.outer_skin = 0.0012;
+             })},
+            {"the same as a graph on 2 threads", with([](SmallSceneSettings& s) {
+                 s.schedule.overlap = true;
+                 s.threads = 2;
+                 s.lists = beyond_cache(s.lists);
+             })},
+            {"pairs listed by row, bodies move after all contacts", with([](SmallSceneSettings& s) {
+                 s.schedule.following = false;
+                 s.lists = beyond_cache(s.lists);
+             })},
             {"tuned skins", with([](SmallSceneSettings& s) { s.lists = {}; })},
             {"tuned skins from given values", with([](SmallSceneSettings& s) {
                  s.lists.tune = true;
@@ -271,19 +295,24 @@ TEST_SUITE("invariance/fingerprint") {
               Large{"spheres in facets", Grains::spheres, Walls::facets, 4000},
               Large{"clumps in facets", Grains::clumps, Walls::facets, 2000}}) {
             CAPTURE(scene.name);
-            const auto run = [&](unsigned threads) {
+            const auto run = [&](unsigned threads, bool in_cache = true) {
                 SmallSceneSettings settings = plain;
                 settings.law = LawName::linear_viscous;
                 settings.threads = threads;
                 settings.schedule = {};
                 settings.lists.inner_skin = 0.002;
+                if (!in_cache) settings.lists = beyond_cache(settings.lists);
                 Simulation sim = begin(bed({.grains = scene.grains,
                                             .walls = scene.walls,
                                             .bodies = scene.bodies,
                                             .seed = seed}),
                                        settings);
                 sim.advance(2400);
-                CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() > 8192);
+                const auto& index = sim.world().resource<NearIndex<SpherePairs>>();
+                CHECK(index.size() > 8192);
+                CHECK(index.by_row == !in_cache);
+                CHECK(sim.world().resource<LateBodies>().runs.empty() ==
+                      (in_cache || threads == 1));
                 CHECK(compute_quantities(sim.world()).contacts > 100);
                 return sim.snapshot();
             };
@@ -291,7 +320,9 @@ TEST_SUITE("invariance/fingerprint") {
             for (const unsigned threads : {2u, 3u, 7u}) {
                 CAPTURE(threads);
                 CHECK(difference(reference, run(threads)) == "");
+                CHECK(difference(reference, run(threads, false)) == "");
             }
+            CHECK(difference(reference, run(1, false)) == "");
         }
     }
 

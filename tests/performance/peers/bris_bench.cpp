@@ -1,10 +1,12 @@
 // One run of a scene of the comparison with other codes, on the bed that all codes read: first the
 // steps after which the codes are compared, then the timed steps. The result is one line of
 // key=value. With --make it makes the bed instead.
+#include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/slab.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/loop_times.hpp"
 #include "engine/memory.hpp"
 #include "engine/ranks.hpp"
 #include "engine/scenario.hpp"
@@ -23,7 +25,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
+#include <numeric>
 #include <sys/prctl.h>
 #include <tuple>
 
@@ -38,8 +42,10 @@ struct Benchmark {
          huge_pages = true, overlap = false;
     double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
+    std::string motion = "scene";
     std::uint64_t least_rows = ScheduleSettings{}.least_rows;
     unsigned spheres = 2000, threads = 1, worlds = 1;
+    bool loops = false;
     double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0;
     std::uint64_t check_steps = 200, steps = 1000;
 
@@ -70,6 +76,10 @@ struct Benchmark {
                at_least(1));
         option("sort_every", sort_every, "",
                "Number of rebuilds of the neighbour lists between sorts of the rows. 0: never.");
+        option("motion", motion, "",
+               "Whether bodies move while contacts are being computed (follows) or after that "
+               "(apart), or as the size of the scene calls for.",
+               {"scene", "follows", "apart"});
         option("widest_ratio", widest_ratio, "",
                "Largest ratio of radii in one grid of the neighbour search.", above(1));
         option("one_pass", one_pass, "",
@@ -91,6 +101,9 @@ struct Benchmark {
         option("check_steps", check_steps, "",
                "Number of time steps before the physics is compared.", within(1, 1e9));
         option("steps", steps, "", "Number of timed steps.", within(1, 1e9));
+        option("loops", loops, "",
+               "Print what a timed step would take if each thread had a processor, from the times "
+               "of chunks on one of them.");
         option("profile", profile, "", "Print the time of each system in the timed steps.");
     }
 };
@@ -111,6 +124,9 @@ double translational_energy(const World& world) {
 
 ListSettings lists_of(const Benchmark& s, const peers::Bed& bed) {
     ListSettings lists{.widest_ratio = s.widest_ratio, .sort_every = s.sort_every};
+    if (s.motion != "scene")
+        lists.pairs_in_cache = lists.pairs_of_clumps_in_cache =
+            s.motion == "follows" ? 0 : std::numeric_limits<std::size_t>::max();
     if (s.skin == 0) return lists;
     double radius = 0;
     for (const Ball& b : bed.balls) radius += b.radius / static_cast<double>(bed.balls.size());
@@ -120,6 +136,13 @@ ListSettings lists_of(const Benchmark& s, const peers::Bed& bed) {
     lists.tune = false;
     return lists;
 }
+
+/// Means of a step, if each of its threads had a processor.
+struct OnThreads {
+    double loops = 0;               ///< of several chunks
+    double outside = 0, chunks = 0; ///< s on one thread, outside of these loops and in their chunks
+    double longest = 0; ///< s, of the loops one after another, until the last thread ends
+};
 
 /// Results of the run of one scene.
 struct Outcome {
@@ -133,6 +156,10 @@ struct Outcome {
     Quantities quantities;
     std::uint64_t fingerprint = 0, rebuilds = 0, prunes = 0;
     std::size_t sleepers = 0;
+    OnThreads on_threads;
+    std::size_t bodies = 0;
+    std::size_t near_chunks = 0;           ///< of the near rows of spheres
+    std::size_t rows_of_others = 0;        ///< of ForceSums, in which other chunks push a body
     std::map<std::string, double> seconds; ///< s, of each system in the timed steps
     Ranks::Traffic sent;                   ///< by this rank, in the timed steps
     double ghost_share = 0; ///< largest of the ranks: ghosts relative to bodies that it computes
@@ -149,21 +176,43 @@ double ghost_share(const World& part) {
     return ghosts / (static_cast<double>(ghost.size()) - ghosts);
 }
 
-/// Mean wall times of a step (s) in up to forty parts of the steps, sorted.
-std::vector<double> advance_in_parts(Simulation& simulation, std::uint64_t steps) {
+/// Calls advance(count) for up to forty parts of the steps.
+template <class Advance>
+void for_parts(std::uint64_t steps, Advance&& advance) {
     // the last step of a part is observed: so few that it does not count
     const std::uint64_t parts = std::clamp<std::uint64_t>(steps / 100, 1, 40);
+    for (std::uint64_t k = 1; k <= parts; ++k) advance(steps * k / parts - steps * (k - 1) / parts);
+}
+
+/// Mean wall times of a step (s) in the parts of the steps, sorted.
+std::vector<double> advance_in_parts(Simulation& simulation, std::uint64_t steps) {
     std::vector<double> step_times;
-    for (std::uint64_t done = 0, k = 1; k <= parts; ++k) {
-        const std::uint64_t count = steps * k / parts - done;
-        if (count == 0) continue;
+    for_parts(steps, [&](std::uint64_t count) {
         const auto began = this_instant();
         simulation.advance_unseen(count);
         step_times.push_back(seconds_since(began) / static_cast<double>(count));
-        done += count;
-    }
+    });
     std::ranges::sort(step_times);
     return step_times;
+}
+
+/// Advances by the steps. Returns the part of them with the tenth percentile of time.
+OnThreads loops_of_steps(Simulation& simulation, std::uint64_t steps, unsigned threads) {
+    std::vector<OnThreads> of_parts;
+    for_parts(steps, [&](std::uint64_t count) {
+        const auto n = static_cast<double>(count);
+        const LoopTimes times;
+        simulation.advance_unseen(count);
+        OnThreads& mean = of_parts.emplace_back();
+        mean.loops = static_cast<double>(times.loops().size()) / n;
+        mean.outside = times.outside() / n;
+        for (const std::vector<double>& chunks : times.loops()) {
+            mean.chunks += std::reduce(chunks.begin(), chunks.end()) / n;
+            mean.longest += time_on_threads(chunks, threads) / n;
+        }
+    });
+    std::ranges::sort(of_parts, {}, [](const OnThreads& o) { return o.outside + o.longest; });
+    return of_parts[of_parts.size() / 10];
 }
 
 Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Bed& bed,
@@ -211,6 +260,9 @@ Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Be
     o.wall = seconds_since(began);
     o.undisturbed = step_times[step_times.size() / 10];
 
+    o.near_chunks = world.resource<NearIndex<SpherePairs>>().chunks.size();
+    o.bodies = world.table<Bodies>().size();
+    o.rows_of_others = world.table<ForceSums>().size() - o.bodies;
     o.peak_memory = static_cast<double>(largest_memory()) / 1e6; // MB
     o.rebuilds = world.resource<ListState>().rebuilds - before.rebuilds;
     o.prunes = world.resource<ListState>().prunes - before.prunes;
@@ -218,6 +270,7 @@ Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Be
     o.sleepers = sleepers(world);
     o.seconds = simulation.seconds();
     for (const auto& [name, seconds] : seconds_before) o.seconds[name] -= seconds;
+    if (s.loops) o.on_threads = loops_of_steps(simulation, s.steps, threads);
     return o;
 }
 
@@ -246,6 +299,12 @@ void report(const Benchmark& s, const peers::Bed& bed, const Outcome& o) {
                per_step(o.sent.reductions));
     fmt::print("sleepers={} stable_step_s={:.4g} contacts={} rebuilds={} prunes={}\n", o.sleepers,
                o.stable_step, q.contacts, o.rebuilds, o.prunes);
+    if (s.loops)
+        fmt::print("loops_per_step={:.4g} outside_s={:.5g} chunks_s={:.5g} longest_s={:.5g} "
+                   "balance={:.4f} near_chunks={} rows_of_others={} bodies={}\n",
+                   o.on_threads.loops, o.on_threads.outside, o.on_threads.chunks,
+                   o.on_threads.longest, o.on_threads.chunks / (s.threads * o.on_threads.longest),
+                   o.near_chunks, o.rows_of_others, o.bodies);
     if (!s.profile) return;
     for (const auto& [name, seconds] : o.seconds) fmt::print("  {:10.6f} s  {}\n", seconds, name);
 }
