@@ -77,8 +77,7 @@ struct MembranePairs {
     static constexpr unsigned rows_per_flag = 8;
 };
 
-/// Calls visit.template operator()<Pairs>() for every kind of pair, in the order in which forces
-/// are summed.
+/// Calls visit.template operator()<Pairs>() for every kind of pair.
 template <class Visit>
 void for_each_kind_of_pair(Visit&& visit) {
     visit.template operator()<SpherePairs>();

@@ -8,8 +8,8 @@
 namespace bris {
 
 /// Permanent name of a pair of surfaces: the body that owns it (of two spheres, the one with the
-/// lower id), the partner body, and the sphere or facet of each. The pairs of one owner are sorted
-/// in this order.
+/// lower id), the partner body, and the sphere or facet of each. The pairs of two bodies are
+/// contiguous and sorted in this order.
 struct PairNames {
     /// sphere: index in the owner's run of spheres; feature: index in the partner's run, or the id
     /// of a facet or plane.
@@ -113,12 +113,12 @@ struct PatchShare : Derived<double> {
     static constexpr auto name = "share", unit = "";
 };
 
-/// Row of ForceSums to which a near pair adds the force on that of its bodies that does not list
-/// it.
-struct OuterSum : Derived<Row> {
-    static constexpr auto name = "outer_sum", unit = "";
-    /// Bit of the row: the partner lists the pair, so that the row belongs to the owner.
-    static constexpr Row listed_by_partner = Row{1} << 31;
+/// Rows of ForceSums to which a near pair adds the forces on its bodies.
+struct SumRowNumbers {
+    Row owner, partner;
+};
+struct SumRows : Derived<SumRowNumbers> {
+    static constexpr auto name = "sum_rows", unit = "";
 };
 
 /// The near rows of consecutive bodies, which one thread computes at a time.
@@ -129,7 +129,7 @@ struct NearChunk {
 };
 
 /// Index of the near pairs by the body that lists them, whose near rows are contiguous: the owner,
-/// or that with the lower row (`by_row`).
+/// or of two bodies with spheres that with the lower row (`by_row`).
 template <class Pairs>
 struct NearIndex {
     static constexpr auto name = Pairs::name;
@@ -141,11 +141,11 @@ struct NearIndex {
     std::vector<Row> across;
     /// True if every sphere is at the centre of its body: scenes of single spheres.
     bool centred = false;
-    /// Pairs of spheres that are too many for a cache (ListSettings).
-    bool is_far = false;
-    /// Where they are, unless owners accumulate work: no near row reads or pushes a body before the
-    /// one that lists it, so that bodies can move while later contacts are computed.
+    /// No near row reads or pushes a body before the one that lists it. True for spheres, unless
+    /// owners accumulate work.
     bool by_row = false;
+    /// More near pairs than fit a cache (ListSettings).
+    bool is_far = false;
     /// Bit k of byte first_flags + g of a chunk: near row first + group * g + k of the chunk.
     std::vector<std::uint8_t> touching;
     /// Per chunk: a near row beyond the limit of overlap or of force, or no_row.
@@ -157,6 +157,8 @@ struct NearIndex {
     /// awake, whose springs do not change.
     std::vector<std::uint8_t> look;
 
+    /// Whether bodies may move while later contacts are computed.
+    bool lets_bodies_move() const { return by_row && is_far; }
     std::size_t size() const { return listed_first.empty() ? 0 : listed_first.back(); }
 
     /// Calls visit(near row) for the near rows whose bit is set in `flags`, which is ordered as

@@ -23,13 +23,15 @@ void LoopTimes::time(std::size_t chunks, detail::ChunkBody body, void* context) 
     const bool is_first = loops_.empty(), is_inner = inside_; // a loop in a chunk is part of it
     if (!is_first && !is_inner) outside_ += std::chrono::duration<double>(began - ended_).count();
     std::vector<double> seconds(chunks);
-    inside_ = true;
+    struct Inside { // until the end of the loop, however it ends
+        bool &now, before;
+        ~Inside() { now = before; }
+    } inside{inside_, std::exchange(inside_, true)};
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
         body(context, chunk);
         const Instant ended = this_instant();
         seconds[chunk] = std::chrono::duration<double>(ended - std::exchange(began, ended)).count();
     }
-    inside_ = is_inner;
     if (is_inner) return;
     loops_.push_back(std::move(seconds));
     ended_ = this_instant();

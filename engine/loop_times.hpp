@@ -36,7 +36,7 @@ private:
     LoopTimes* before_;
 };
 
-/// Time (s) from the beginning of a loop until its last chunk is done, if `threads` threads of
+/// Time (s) from the beginning of a loop until its last chunk is done, if `threads` >= 1 threads of
 /// equal speed take chunks as in detail::Division and lose no time to each other.
 double time_on_threads(std::span<const double> chunk_seconds, unsigned threads);
 

@@ -136,11 +136,12 @@ void Threads::run(const std::function<void()>& work) {
 unsigned team_size() { return static_cast<unsigned>(tbb::this_task_arena::max_concurrency()); }
 
 void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
+    if (chunks > 1 && LoopTimes::run(chunks, body, context)) return;
     if (chunks <= 1 || team_size() == 1) {
         for (std::size_t chunk = 0; chunk < chunks; ++chunk) body(context, chunk);
         return;
     }
-    if (LoopTimes::run(chunks, body, context) || run_with_team(chunks, body, context)) return;
+    if (run_with_team(chunks, body, context)) return;
     // isolated, because a thread that waits here must not start work of another system
     tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) { body(context, chunk); });

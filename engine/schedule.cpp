@@ -38,6 +38,14 @@ bool may_share_pass(const System& a, const System& b) {
     return true;
 }
 
+/// Whether a system runs the pass that may follow it.
+bool leads(const System& s) {
+    return !s.completes.empty() && !s.row_local &&
+           std::ranges::any_of(s.accesses, [](const Access& a) {
+               return a.component == typeid(Follower) && a.writes;
+           });
+}
+
 /// Whether a row-local system may work on rows as soon as a leading system has completed them.
 bool may_follow(const System& leader, const System& s) {
     if (s.row_local != leader.completes.front()) return false;
@@ -217,7 +225,7 @@ void Schedule::let_follow(Plan& plan) const {
         auto& leader = plan.nodes[n];
         const auto& pass = plan.nodes[n + 1];
         const System& system = steps_[leader.systems.front()];
-        if (system.completes.empty() || !std::ranges::all_of(pass.systems, [&](std::size_t i) {
+        if (!leads(system) || !std::ranges::all_of(pass.systems, [&](std::size_t i) {
                 return may_follow(system, steps_[i]);
             }))
             continue;
@@ -374,7 +382,7 @@ std::string Schedule::explain() const {
                             s.due != nullptr ? " (when due)" : "", names(s, false), names(s, true));
         }
         text += fmt::format("    {}after  {}\n",
-                            !node.followers.empty()   ? "the pass over rows follows row by row, "
+                            !node.followers.empty()   ? "the pass over rows may follow row by row, "
                             : node.systems.size() > 1 ? "one pass over rows, "
                                                       : "",
                             after.empty() ? "-" : after);

@@ -50,7 +50,8 @@ public:
     /// Lists the systems that run, with reads, writes and predecessors, those that are left out and
     /// why, and the graph in DOT format.
     std::string explain() const;
-    /// Seconds per node name since prepare(), if timed.
+    /// Seconds since prepare(), if timed, by the names of systems that run in one pass, and by the
+    /// names of both where a pass has followed.
     std::map<std::string, double> seconds() const;
 
 private:

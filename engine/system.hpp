@@ -198,8 +198,9 @@ inline System combined(std::vector<std::string> systems, System system) {
 }
 
 /// The same system, which completes rows of table K one after another: the pass over K that comes
-/// next may follow it at once (Follower). For a row that is complete it reads and writes nothing
-/// any more in K and in the tables Ks, whose rows belong to those of K.
+/// next may follow it at once, if the system has the parameter Follower&. For a row that is
+/// complete it reads and writes nothing any more in K and in the tables Ks, whose rows belong to
+/// those of K.
 template <class K, class... Ks>
 System leading(System system) {
     system.completes = {typeid(K), typeid(Ks)...};

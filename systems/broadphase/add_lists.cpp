@@ -31,7 +31,7 @@ void add_pair_tables(World& world, LawName law) {
     if (has_wear(law) && !std::is_same_v<Pairs, MembranePairs>) pairs.add<Worn>();
     Table& near = world.table<typename Pairs::Near>();
     near.add<NearPair>();
-    near.add<OuterSum>();
+    near.add<SumRows>();
     near.add<PairForce>();
     world.add_resource<NearIndex<Pairs>>();
     world.add_resource<detail::Candidates<Pairs>>();

@@ -57,7 +57,7 @@ public:
     }
     std::uint64_t of(Row body) const {
         constexpr std::uint64_t of_contact = 16, of_motion = 16;
-        std::uint64_t sum = index_.by_row ? of_motion : 0; // which then follows the contacts
+        std::uint64_t sum = index_.lets_bodies_move() ? of_motion : 0;
         for (Row k = index_.listed_first[body]; k < index_.listed_first[body + 1]; ++k)
             sum += !spring_.empty() && Spring::keep(spring_[near_[k].pair]) ? of_contact : 1;
         return sum;
@@ -104,10 +104,10 @@ public:
         : index_(world.resource<NearIndex<Pairs>>()),
           near_(world.column<typename Pairs::Near, NearPair>()),
           pairs_(world.column<Pairs, PairRows>()), body_(world.column<Listed, ListedBody>()),
-          target_(world.column<typename Pairs::Near, OuterSum>()), bodies_(index_.chunks.size()) {
+          target_(world.column<typename Pairs::Near, SumRows>()), bodies_(index_.chunks.size()) {
         for_each_chunk([&](std::size_t c, const NearChunk& here) {
-            for_near(here, [&](Row, Row b, bool) {
-                if (!owns(here, b)) bodies_[c].push_back(b);
+            for_near(here, [&](Row, Row, Row other, bool) {
+                if (!owns(here, other)) bodies_[c].push_back(other);
             });
             std::ranges::sort(bodies_[c]);
             const auto repeated = std::ranges::unique(bodies_[c]);
@@ -132,16 +132,18 @@ public:
                 // pushed onto the body's list; the order does not matter, as integers are added
                 next[row] = std::atomic_ref(list_of[bodies_[c][i]]).exchange(row);
             }
-            for_near(here, [&](Row k, Row b, bool is_owner) {
-                const auto at = std::ranges::lower_bound(bodies_[c], b) - bodies_[c].begin();
+            for_near(here, [&](Row k, Row lister, Row other, bool lister_owns) {
+                const auto at = std::ranges::lower_bound(bodies_[c], other) - bodies_[c].begin();
+                const Row outer = owns(here, other)
+                                      ? other
+                                      : static_cast<Row>(start[c] + static_cast<std::size_t>(at));
                 target_[k] =
-                    owns(here, b) ? b : static_cast<Row>(start[c] + static_cast<std::size_t>(at));
-                if (is_owner) target_[k] |= OuterSum::listed_by_partner;
+                    lister_owns ? SumRowNumbers{lister, outer} : SumRowNumbers{outer, lister};
             });
         });
         if (std::is_same_v<Pairs, SpherePairs> && index_.chunks.size() > 1) note_across();
         for (std::size_t k = index_.size(); k < target_.size(); ++k)
-            target_[k] = 0; // of padding, which is never stored
+            target_[k] = {0, 0}; // of padding, which is never stored
     }
 
 private:
@@ -150,18 +152,18 @@ private:
         for (NearChunk& here : index_.chunks) {
             here.first_across = index_.across.size();
             for (Row k = here.first; k < here.last; ++k)
-                if (!owns(here, target_[k] & ~OuterSum::listed_by_partner))
+                if (!owns(here, target_[k].owner) || !owns(here, target_[k].partner))
                     index_.across.push_back(k);
             here.last_across = index_.across.size();
         }
     }
-    /// Calls visit(near row, body that does not list it, whether that is the owner).
+    /// Calls visit(near row, body that lists it, its other body, whether the former owns it).
     template <class Visit>
     void for_near(const NearChunk& chunk, Visit&& visit) const {
         for (Row b = chunk.first_body; b < chunk.last_body; ++b)
             for (Row k = index_.listed_first[b]; k < index_.listed_first[b + 1]; ++k) {
                 const Row partner = pairs_[near_[k].pair].partner_body;
-                visit(k, partner == b ? body_[near_[k].owner] : partner, partner == b);
+                visit(k, b, partner == b ? body_[near_[k].owner] : partner, partner != b);
             }
     }
     /// Boundaries belong to no chunk, because the units of their torques differ.
@@ -178,7 +180,7 @@ private:
     std::span<const NearEntry> near_;
     std::span<const PairRowNumbers> pairs_;
     std::span<const Row> body_;
-    std::span<Row> target_;
+    std::span<SumRowNumbers> target_;
     std::vector<std::vector<Row>> bodies_;
 };
 
@@ -187,7 +189,8 @@ private:
 class LateGroups {
 public:
     explicit LateGroups(World& world)
-        : list_of_(world.column<Bodies, SumsFromOthers>()), late_(world.resource<LateBodies>()) {}
+        : list_of_(world.column<Bodies, SumsFromOthers>()),
+          spheres_(world.column<Bodies, SpheresOf>()), late_(world.resource<LateBodies>()) {}
 
     void note(const std::vector<NearChunk>& chunks) {
         const Row groups = (bodies() + group - 1) / group;
@@ -211,14 +214,17 @@ private:
         constexpr Row fewest = 4; // groups that are worth a call
         Row begin = first;        // of those that are not late
         for (Row g = first; g < last; ++g) {
-            const auto rows =
-                list_of_.subspan(std::size_t{g} * group, std::min(group, bodies() - g * group));
-            late_.is_late[g] = g * group < chunk.first_body ||
-                               std::ranges::any_of(rows, [](Row list) { return list != no_row; });
+            late_.is_late[g] = g * group < chunk.first_body || has_list(g);
             if (late_.is_late[g] == 0) continue;
             if (g - begin < fewest) std::fill_n(&late_.is_late[begin], g - begin, std::uint8_t{1});
             begin = g + 1;
         }
+    }
+    /// Whether contacts of spheres push one of its bodies from another chunk.
+    bool has_list(Row g) const {
+        for (Row b = g * group; b < std::min((g + 1) * group, bodies()); ++b)
+            if (list_of_[b] != no_row && spheres_[b].count > 0) return true;
+        return false;
     }
     void add_runs(Row first, Row last) {
         for (Row g = first; g < last; ++g) {
@@ -229,6 +235,7 @@ private:
         }
     }
     std::span<const Row> list_of_;
+    std::span<const SphereRun> spheres_;
     LateBodies& late_;
 };
 
@@ -276,7 +283,7 @@ void direct_forces(World& world) {
         outside.assign_rows(first, sums.column<NextSum>(), list_of);
     });
     const auto& index = world.resource<NearIndex<SpherePairs>>();
-    if (index.by_row) LateGroups(world).note(index.chunks);
+    if (index.lets_bodies_move()) LateGroups(world).note(index.chunks);
 }
 
 } // namespace bris::detail

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <numeric>
 #include <span>
 #include <type_traits>
 
@@ -39,45 +38,6 @@ void forget_separated(World& world, Near&& near_bits) {
              [&](Row k) { forget_if_separated(old[k].pair); });
 }
 
-/// A near pair before its place in the list is known.
-struct FoundPair {
-    Row pair, owner; ///< rows of the pair and of its owner
-};
-
-NearEntry entry_of(Row pair, std::span<const PairRowNumbers> rows) {
-    return {rows[pair].sphere, rows[pair].other, pair, rows[pair].law};
-}
-
-/// Lists each near pair with the lower row of its bodies, and the pairs of a body in order.
-void list_by_row(NearIndex<SpherePairs>& index, const detail::ChunkLists<FoundPair>& found,
-                 std::span<const PairRowNumbers> rows, std::span<NearEntry> entry) {
-    std::vector<Row>& first = index.listed_first;
-    const auto of_lower = [&](const FoundPair& f) {
-        return std::atomic_ref(first[std::min(f.owner, rows[f.pair].partner_body)]);
-    };
-    std::ranges::fill(first, 0);
-    found.lay_out([&](std::size_t, const FoundPair& f) {
-        of_lower(f).fetch_add(1, std::memory_order_relaxed);
-    });
-    std::inclusive_scan(first.begin(), first.end(), first.begin());
-    found.lay_out([&](std::size_t, const FoundPair& f) { // from the last of each body to its first
-        entry[of_lower(f).fetch_sub(1, std::memory_order_relaxed) - 1] = entry_of(f.pair, rows);
-    });
-    for_rows(first.size() - 1, [&](Row b) {
-        std::sort(entry.data() + first[b], entry.data() + first[b + 1],
-                  [](const NearEntry& x, const NearEntry& y) { return x.pair < y.pair; });
-    });
-}
-
-/// Whether the near pairs of spheres are listed by row.
-void choose_order(const World& world, NearIndex<SpherePairs>& index) {
-    const auto& settings = world.resource<ListSettings>();
-    // the work of contacts is added to their owners, each by one thread
-    index.is_far = index.size() >
-                   (index.centred ? settings.pairs_in_cache : settings.pairs_of_clumps_in_cache);
-    index.by_row = index.is_far && !world.table<Bodies>().has<FrictionWork>();
-}
-
 // Lists the pairs of one kind within the inner skins, body by body, and clears the springs of the
 // others. `near_bits` returns bits for up to lane_count candidates: set where the pair is near.
 template <class Pairs, class Near>
@@ -86,30 +46,29 @@ void list_near(World& world, Near&& near_bits) {
     const auto rows = world.column<Pairs, PairRows>();
     const auto& candidates = world.resource<detail::Candidates<Pairs>>().first;
     auto& index = world.resource<NearIndex<Pairs>>();
-    detail::ChunkLists<FoundPair> found;
+    detail::ChunkLists<NearEntry> found;
     found.collect(
-        candidates.size() - 1, index.listed_first, [&](std::vector<FoundPair>& list, Row b) {
+        candidates.size() - 1, index.listed_first, [&](std::vector<NearEntry>& list, Row b) {
             for (Row first = candidates[b], last = candidates[b + 1]; first < last;
                  first += lane_count) {
                 const unsigned count = std::min<unsigned>(lane_count, last - first);
-                for (unsigned now = near_bits(&rows[first], count); now != 0; now &= now - 1)
-                    list.push_back({first + static_cast<Row>(__builtin_ctz(now)), b});
+                for (unsigned now = near_bits(&rows[first], count); now != 0; now &= now - 1) {
+                    const Row p = first + static_cast<Row>(__builtin_ctz(now));
+                    list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
+                }
             }
         });
     Table& near = world.table<typename Pairs::Near>();
     const std::size_t count = found.size(), padded = count == 0 ? 0 : count + 7;
     near.resize(padded);
     const auto entry = near.template column<NearPair>();
-    index.centred = world.table<Bodies>().has<SphereInertia>();
-    if constexpr (std::is_same_v<Pairs, SpherePairs>) {
-        choose_order(world, index);
-        if (index.by_row) list_by_row(index, found, rows, entry);
-    }
-    if (!index.by_row)
-        found.lay_out(
-            [&](std::size_t slot, const FoundPair& f) { entry[slot] = entry_of(f.pair, rows); });
+    found.lay_out([&](std::size_t slot, const NearEntry& e) { entry[slot] = e; });
     for (std::size_t k = count; k < padded; ++k)
         entry[k] = entry[0]; // lanes past the end read valid rows
+    const auto& settings = world.resource<ListSettings>();
+    index.centred = world.table<Bodies>().has<SphereInertia>();
+    index.is_far =
+        count > (index.centred ? settings.pairs_in_cache : settings.pairs_of_clumps_in_cache);
     index.awake.clear();
     index.look.clear();
     detail::divide_into_chunks<Pairs>(world);

@@ -6,7 +6,7 @@ namespace bris::detail {
 
 /// Contacts of spheres that belong to clumps, in the middle of the overlap.
 struct ClumpSpheres : SphereSurfaces {
-    template <class Law>
+    template <class Law, SumsAt where>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
         // own, other: rows of bodies
         std::array<std::size_t, lane_count> own_sphere, other_sphere, own, other;
@@ -95,11 +95,11 @@ struct ClumpSpheres : SphereSurfaces {
             c.twist =
                 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
-        return apply_law<Law>(to, rows, {own.data(), other.data()}, count, c,
-                              Levers{{px, py, pz},
-                                     {px - xa[0], py - xa[1], pz - xa[2]},
-                                     {px - xb[0], py - xb[1], pz - xb[2]}},
-                              c.overlap > (0.5 * deepest) * reach);
+        return apply_law<Law, where>(to, rows, {own.data(), other.data()}, count, c,
+                                     Levers{{px, py, pz},
+                                            {px - xa[0], py - xa[1], pz - xa[2]},
+                                            {px - xb[0], py - xb[1], pz - xb[2]}},
+                                     c.overlap > (0.5 * deepest) * reach);
     }
 };
 

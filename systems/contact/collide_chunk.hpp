@@ -107,11 +107,11 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
 ///   unsigned touching(near)         bit q: near pair q of lane_count touches
 ///   double gap(near), radius(near)  of one pair: gap between the surfaces, effective radius, m
 ///   void prefetch_positions(near)   prefetches what touching() will read for these eight pairs
-///   void prefetch_rows(to, rows)    prefetches what the tile after the next will read
-///   void prefetch_outer(to, row)    of spheres: prefetches what a pair reads and writes of the
-///                                   body that does not list it
-///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes whose overlap or
-///                                            force is beyond the limit
+///   void prefetch_rows<where>(to, rows)   prefetches what the tile after the next will read
+///   void prefetch_across(to, row)   of spheres: prefetches what a pair of bodies of two chunks
+///                                   reads and writes
+///   unsigned collide<Law, where>(to, rows, count)   applies the law (`where`: SumsAt); bits of the
+///                                   lanes whose overlap or force is beyond the limit
 /// `motion`: moves bodies whose contacts are all computed; null: nothing does.
 template <class Law, class Geometry, class Pairs>
 void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index,
@@ -123,12 +123,24 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
     };
     Sleepers sleepers(to, flags_of(index.awake), flags_of(index.look));
     Separated separated;
-    if constexpr (requires { geometry.prefetch_outer(to, Row{}); })
+    constexpr bool of_spheres = std::is_same_v<Pairs, SpherePairs>;
+    if constexpr (of_spheres)
         if (!index.is_far) // other threads have written these rows
             for (std::size_t k = here.first_across; k < here.last_across; ++k)
-                geometry.prefetch_outer(to, index.across[k]);
-    TileTarget inside = to;
-    inside.sums.outer = nullptr;
+                geometry.prefetch_across(to, index.across[k]);
+    const auto collide = [&]<SumsAt where>(std::size_t count) {
+        if (count != 0) std::fill_n(&touching[count], 8, touching[count - 1]);
+        for (std::size_t k = 0; k < count; k += lane_count) {
+            if (index.is_far && k + 3 * lane_count <= count)
+                geometry.template prefetch_rows<where>(to, &touching[k + 2 * lane_count]);
+            const int here_count = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
+            const unsigned beyond =
+                geometry.template collide<Law, where>(to, &touching[k], here_count);
+            if (beyond != 0 && index.beyond_limit[chunk] == no_row)
+                index.beyond_limit[chunk] =
+                    touching[k + static_cast<std::size_t>(__builtin_ctz(beyond))];
+        }
+    };
     std::size_t across = here.first_across;
     Row group = EarlyMotion::first_group(here);
     for (Row first = here.first; first < here.last; first += near_rows_per_block) {
@@ -138,18 +150,13 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
                                (first - here.first) / 8, first, last, touching.data());
         const std::size_t across_before = across;
         while (across < here.last_across && index.across[across] < last) ++across;
-        const TileTarget& target =
-            std::is_same_v<Pairs, SpherePairs> && across == across_before ? inside : to;
-        if (count != 0) std::fill_n(&touching[count], 8, touching[count - 1]);
-        for (std::size_t k = 0; k < count; k += lane_count) {
-            if (index.is_far && k + 3 * lane_count <= count)
-                geometry.prefetch_rows(to, &touching[k + 2 * lane_count]);
-            const int here_count = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
-            const unsigned beyond =
-                geometry.template collide<Law>(target, &touching[k], here_count);
-            if (beyond != 0 && index.beyond_limit[chunk] == no_row)
-                index.beyond_limit[chunk] =
-                    touching[k + static_cast<std::size_t>(__builtin_ctz(beyond))];
+        if constexpr (of_spheres) {
+            if (across == across_before)
+                collide.template operator()<SumsAt::bodies>(count);
+            else
+                collide.template operator()<SumsAt::rows>(count);
+        } else {
+            collide.template operator()<SumsAt::rows>(count);
         }
         separated.clear_springs(to);
         sleepers.put_springs_back();

@@ -309,7 +309,7 @@ template <class Law, class Near, class Pairs, class Work>
 struct Collide;
 template <class Law, class... Near, class... Pairs, class... Work>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
-    static void facets(Rows<NearFacets, const NearPair, const OuterSum, PairForce, Near...> near,
+    static void facets(Rows<NearFacets, const NearPair, const SumRows, PairForce, Near...> near,
                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Facets, const FacetPosition> facet_rows,
                        Rows<FacetPairs, const PairKey, Pairs...> pairs,

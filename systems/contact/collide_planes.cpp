@@ -43,12 +43,13 @@ struct PlaneGeometry {
     void prefetch_positions(const NearEntry* near) const {
         for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.sphere_row[near[q].owner]);
     }
+    template <detail::SumsAt where>
     void prefetch_rows(const TileTarget& to, const Row* rows) const {
         const auto own = movers.bodies_of([&](std::size_t q) { return to.near[rows[q]].owner; });
         movers.prefetch_rows(own);
-        to.prefetch_rows(rows, {own.data(), own.data()});
+        to.prefetch_rows<where>(rows, {own.data(), own.data()});
     }
-    template <class Law>
+    template <class Law, detail::SumsAt where>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
         std::array<std::size_t, lane_count> slot, own; // own: rows of bodies
         for (std::size_t q = 0; q < lane_count; ++q)
@@ -93,9 +94,9 @@ struct PlaneGeometry {
             const Vec3Lanes w = omega - turning;
             c.wx = w.x, c.wy = w.y, c.wz = w.z;
         }
-        return detail::apply_law<Law>(to, rows, {own.data(), own.data()}, count, c,
-                                      detail::Levers{point, point - middle, point - pivot},
-                                      overlap > deepest * a[3]);
+        return detail::apply_law<Law, where>(to, rows, {own.data(), own.data()}, count, c,
+                                             detail::Levers{point, point - middle, point - pivot},
+                                             overlap > deepest * a[3]);
     }
 };
 
@@ -103,7 +104,7 @@ template <class Law, class Near, class Pairs, class Work>
 struct Collide;
 template <class Law, class... Near, class... Pairs, class... Work>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
-    static void planes(Rows<NearPlanes, const NearPair, const OuterSum, PairForce, Near...> near,
+    static void planes(Rows<NearPlanes, const NearPair, const SumRows, PairForce, Near...> near,
                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Planes, const PlanePosition> plane_rows,
                        Rows<PlanePairs, Pairs...> pairs, NearIndex<PlanePairs>& index,

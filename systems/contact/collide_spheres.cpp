@@ -12,7 +12,7 @@ template <class Law, class Near, class Pairs, class Work>
 struct Collide;
 template <class Law, class... Near, class... Pairs, class... Work>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
-    static void spheres(Rows<NearSpheres, const NearPair, const OuterSum, PairForce, Near...> near,
+    static void spheres(Rows<NearSpheres, const NearPair, const SumRows, PairForce, Near...> near,
                         detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                         Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index,
                         Rows<ForceSums, ContactSum> force_sums, const ForceGrid& grid,
@@ -25,7 +25,7 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
                                               limits.overlap_of_contacts()};
         const detail::EarlyMotion early(follower, late, index, bodies.size());
         const detail::EarlyMotion* const motion =
-            index.by_row && follower.take() ? &early : nullptr;
+            index.lets_bodies_move() && follower.take() ? &early : nullptr;
         if (index.centred)
             detail::collide_all<Law>(target, detail::SingleSpheres{surfaces}, index, motion);
         else

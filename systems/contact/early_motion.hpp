@@ -11,7 +11,7 @@
 namespace bris::detail {
 
 /// Lets the pass over bodies follow the contacts of spheres: a body moves while its rows are still
-/// in the cache. To be used with NearIndex::by_row.
+/// in the cache. To be used with NearIndex::lets_bodies_move.
 class EarlyMotion {
 public:
     EarlyMotion(const Follower& follower, const LateBodies& late,
@@ -24,13 +24,15 @@ public:
         return (chunk.first_body + LateBodies::group - 1) / LateBodies::group;
     }
     /// Moves the bodies of a chunk from group `group` on, as far as their near rows lie before
-    /// `row`. Returns the first group that has not been moved.
+    /// `row`, if there are enough of them. Returns the first group that has not been moved.
     Row move(const NearChunk& chunk, Row group, Row row) const {
         const auto begin = first_.begin() + 1 + chunk.first_body,
                    end = first_.begin() + 1 + chunk.last_body;
         const auto done = static_cast<Row>(std::upper_bound(begin, end, row) - first_.begin()) - 1;
         const Row last = done == bodies_ ? static_cast<Row>(late_.is_late.size())
                                          : std::max(group, done / LateBodies::group);
+        constexpr Row enough = 16; // groups, since each call takes a fraction of a microsecond
+        if (last < group + enough && row != chunk.last) return group;
         for (Row g = group; g < last;) {
             const Row from = g;
             while (g < last && late_.is_late[g] == 0) ++g;

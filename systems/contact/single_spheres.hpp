@@ -37,7 +37,7 @@ private:
 /// Contacts of spheres that are bodies themselves. Rows of both spheres are subtracted, or added
 /// with the radii as factors, before they become lanes.
 struct SingleSpheres : SphereSurfaces {
-    template <class Law>
+    template <class Law, SumsAt where>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
         std::array<std::size_t, lane_count> own, other; // rows of bodies, which are slots
         for (std::size_t q = 0; q < lane_count; ++q) {
@@ -123,9 +123,9 @@ struct SingleSpheres : SphereSurfaces {
             c.uz = sliding.z;
             c.twist = dot(surface, normal) * inverse;
         }
-        return apply_law<Law>(to, rows, {own.data(), other.data()}, count, c,
-                              RadialArms<Law::has_rolling>{c, a, b, share},
-                              c.overlap > (0.5 * deepest) * reach);
+        return apply_law<Law, where>(to, rows, {own.data(), other.data()}, count, c,
+                                     RadialArms<Law::has_rolling>{c, a, b, share},
+                                     c.overlap > (0.5 * deepest) * reach);
     }
 };
 

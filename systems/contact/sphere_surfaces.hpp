@@ -33,20 +33,21 @@ struct SphereSurfaces {
     void prefetch_positions(const NearEntry* near) const {
         for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.sphere_row[near[q].other]);
     }
+    template <SumsAt where>
     void prefetch_rows(const TileTarget& to, const Row* rows) const {
         const auto own = movers.bodies_of([&](std::size_t q) { return to.near[rows[q]].owner; });
         const auto other = movers.bodies_of([&](std::size_t q) { return to.near[rows[q]].other; });
         movers.prefetch_rows(own);
         movers.prefetch_rows(other);
-        to.prefetch_rows(rows, {own.data(), other.data()});
+        to.prefetch_rows<where>(rows, {own.data(), other.data()});
     }
-    void prefetch_outer(const TileTarget& to, Row row) const {
-        const Row outer = to.sums.outer[row];
-        const bool is_owner = outer >= OuterSum::listed_by_partner;
-        const Row slot = is_owner ? to.near[row].owner : to.near[row].other;
-        prefetch(&movers.sphere_row[slot]);
-        movers.prefetch_row(movers.body_of(slot));
-        prefetch<true>(&to.sums.sum[outer & ~OuterSum::listed_by_partner]);
+    void prefetch_across(const TileTarget& to, Row row) const {
+        for (const Row slot : {to.near[row].owner, to.near[row].other}) {
+            prefetch(&movers.sphere_row[slot]);
+            movers.prefetch_row(movers.body_of(slot));
+        }
+        prefetch<true>(&to.sums.sum[to.sums.rows[row].owner]);
+        prefetch<true>(&to.sums.sum[to.sums.rows[row].partner]);
     }
 };
 

@@ -16,24 +16,29 @@
 
 namespace bris::detail {
 
-/// Where the forces of pairs are added, and the units in which.
+/// Where contacts add their forces: to the sums of the bodies, if both belong to the chunk of the
+/// near row, or to those that SumRows names.
+enum class SumsAt { bodies, rows };
+
+/// The sums to which the forces of pairs are added, and their units.
 struct SumTarget {
     SumRow* sum;
-    const Row* outer; ///< OuterSum, by near row; null: the bodies' own sums
+    const SumRowNumbers* rows;                        ///< by near row
     double per_force, per_torque, per_partner_torque; ///< units per N and N m
 
-    SumTarget(SumRow* sums, const Row* outer_sums, const ForceGrid& grid, bool with_boundary)
-        : sum(sums), outer(outer_sums), per_force(1 / grid.force), per_torque(1 / grid.torque),
+    SumTarget(SumRow* sums, const SumRowNumbers* sum_rows, const ForceGrid& grid,
+              bool with_boundary)
+        : sum(sums), rows(sum_rows), per_force(1 / grid.force), per_torque(1 / grid.torque),
           per_partner_torque(1 / (with_boundary ? grid.host_torque : grid.torque)) {}
-    /// The sum of the owner of a near pair, whose row is `body`.
+    /// The sum of the owner of a near pair, a body in row `body`.
+    template <SumsAt where>
     SumRow& of_owner(Row near_row, std::size_t body) const {
-        const Row at = outer[near_row] ^ OuterSum::listed_by_partner;
-        return sum[at < OuterSum::listed_by_partner ? at : body];
+        return sum[where == SumsAt::bodies ? body : rows[near_row].owner];
     }
-    /// The sum of the partner, whose row is `body`. Of a boundary the row does not matter.
+    /// The sum of the partner. The row of a boundary does not matter.
+    template <SumsAt where>
     SumRow& of_partner(Row near_row, std::size_t body) const {
-        const Row at = outer[near_row];
-        return sum[at < OuterSum::listed_by_partner ? at : body];
+        return sum[where == SumsAt::bodies ? body : rows[near_row].partner];
     }
 };
 
@@ -66,10 +71,12 @@ struct TileTarget {
     LawStep step;
 
     /// Prefetches the rows that the contacts of these near rows write.
+    template <SumsAt where>
     void prefetch_rows(const Row* rows, const BodiesOfTile& bodies) const {
-        for (int q = 0; q < lane_count; ++q) prefetch<true>(&sums.of_owner(rows[q], bodies.own[q]));
         for (int q = 0; q < lane_count; ++q)
-            prefetch<true>(&sums.of_partner(rows[q], bodies.partner[q]));
+            prefetch<true>(&sums.of_owner<where>(rows[q], bodies.own[q]));
+        for (int q = 0; q < lane_count; ++q)
+            prefetch<true>(&sums.of_partner<where>(rows[q], bodies.partner[q]));
         if (history.spring != nullptr)
             for (int q = 0; q < lane_count; ++q)
                 prefetch<true>(&history.spring[near[rows[q]].pair]);
@@ -117,7 +124,7 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const BodyRo
         scene.materials.own_pairs.data(),
         laws.size() == 1,
         scene.observation.due,
-        {scene.sums.column<ContactSum>(), near.template column<OuterSum>(), scene.grid,
+        {scene.sums.column<ContactSum>(), near.template column<SumRows>(), scene.grid,
          !std::is_same_v<typename NearRows::TableKind, NearSpheres>},
         work,
         {scene.materials.policy, scene.clock.dt, work.friction != nullptr}};
@@ -245,6 +252,7 @@ public:
         size_ = held ? size_ : Lane{};
     }
     /// Adds the first `count` lanes. `rows`: near rows.
+    template <SumsAt where>
     [[gnu::always_inline]] void add(const SumTarget& to, const Row* rows,
                                     const BodiesOfTile& bodies, int count) const {
         const auto integers = [](const Vec3Lanes& v, const Lane& fourth) {
@@ -259,17 +267,12 @@ public:
             reinterpret_cast<Lane>(BitsOfLane{} - reinterpret_cast<BitsOfLane>(size));
         const FourLanes forces = integers(force_, Lane{});
         const FourLanes own = integers(own_, size), partner = integers(partner_, minus_size);
-        const auto add_to = [&](auto&& sum_of_owner, auto&& sum_of_partner)
-            __attribute__((always_inline)) {
-            add_integer_rows<false>(forces, own, count, sum_of_owner);
-            add_integer_rows<true>(forces, partner, count, sum_of_partner);
-        };
-        if (to.outer == nullptr)
-            add_to([&](int q) { return &to.sum[bodies.own[q]].fx; },
-                   [&](int q) { return &to.sum[bodies.partner[q]].fx; });
-        else
-            add_to([&](int q) { return &to.of_owner(rows[q], bodies.own[q]).fx; },
-                   [&](int q) { return &to.of_partner(rows[q], bodies.partner[q]).fx; });
+        add_integer_rows<false>(forces, own, count, [&](int q) {
+            return &to.template of_owner<where>(rows[q], bodies.own[q]).fx;
+        });
+        add_integer_rows<true>(forces, partner, count, [&](int q) {
+            return &to.template of_partner<where>(rows[q], bodies.partner[q]).fx;
+        });
     }
 
 private:
@@ -320,7 +323,7 @@ struct NoReader {
 /// then called with the near rows, their number, their forces, and the bits of those whose force is
 /// beyond the grid and was not added. Returns these bits and those of the contacts beyond the
 /// limit.
-template <class Law, class Arms, class Reader = NoReader>
+template <class Law, SumsAt where = SumsAt::rows, class Arms, class Reader = NoReader>
 [[gnu::always_inline]] inline unsigned
 apply_law(const TileTarget& to, const Row* rows, const BodiesOfTile& bodies, int count,
           ContactLanes& c, const Arms& arms, LaneMask too_deep, const Reader& reader = {}) {
@@ -380,7 +383,7 @@ apply_law(const TileTarget& to, const Row* rows, const BodiesOfTile& bodies, int
         record(to, rows, count, f, c.overlap, arms.contact_point());
         if (left_out != 0) units.drop_beyond();
     }
-    units.add(to.sums, rows, bodies, count);
+    units.template add<where>(to.sums, rows, bodies, count);
     if (to.work.friction != nullptr) add_work(to.work, bodies.own, count, f.work, left_out);
     reader(rows, count, f, left_out);
     return beyond & ((1u << count) - 1);

@@ -347,7 +347,7 @@ TEST_SUITE("engine/schedule") {
         World world = world_with_follower();
         const std::string text = explained(list, world);
         CHECK(has(text, "\"lead, then right + join\""));
-        CHECK(has(text, "the pass over rows follows row by row"));
+        CHECK(has(text, "the pass over rows may follow row by row"));
         CHECK_FALSE(world.resource<Follower>().take());
         const auto [reference, never] = run({.following = false});
         const auto [same, taken] = run({});
@@ -367,9 +367,11 @@ TEST_SUITE("engine/schedule") {
                                  world),
                        ", then ");
         };
-        const auto lead = +[](Rows<Cells, const A, B>, Rows<Others, D>) {};
+        const auto lead = +[](Rows<Cells, const A, B>, Rows<Others, D>, Follower&) {};
+        const auto without = +[](Rows<Cells, const A, B>) {};
         const auto read_d = +[](Rows<Cells, const B, C>, Rows<Others, const D>) {};
         CHECK(follows(leading<Cells>(system("lead", lead)), row_local("pass", c_from_a)));
+        CHECK_FALSE(follows(leading<Cells>(system("lead", without)), row_local("pass", c_from_a)));
         CHECK_FALSE(follows(system("lead", lead), row_local("pass", c_from_a)));
         CHECK_FALSE(follows(leading<Cells>(system("lead", lead)), system("pass", c_from_a)));
         CHECK_FALSE(follows(leading<Others>(system("lead", lead)), row_local("pass", c_from_a)));
