@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/rows.hpp"
+#include "engine/entity.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,8 +14,11 @@ struct LateBodies {
     static constexpr auto name = "late_bodies";
     static constexpr Row group = 8; ///< whole lanes
 
+    struct Run {
+        Row first, last;
+    };
     std::vector<std::uint8_t> is_late;  ///< by group
-    std::vector<RowRange> runs;         ///< rows of the late groups, chunk by chunk
+    std::vector<Run> runs;              ///< rows of the late groups, chunk by chunk
     std::vector<std::size_t> first_run; ///< chunks + 1
 };
 

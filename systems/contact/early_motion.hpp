@@ -48,7 +48,7 @@ public:
         const auto& first = late_.first_run;
         for_chunks(first.size() - 1, 1, [&](std::size_t chunk, std::size_t, std::size_t) {
             for (std::size_t k = first[chunk]; k < first[chunk + 1]; ++k)
-                follower_.run(late_.runs[k]);
+                follower_.run({late_.runs[k].first, late_.runs[k].last});
         });
     }
 
