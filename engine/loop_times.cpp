@@ -29,8 +29,7 @@ void LoopTimes::time(std::size_t chunks, detail::ChunkBody body, void* context) 
     } inside{inside_, std::exchange(inside_, true)};
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
         body(context, chunk);
-        const Instant ended = this_instant();
-        seconds[chunk] = std::chrono::duration<double>(ended - std::exchange(began, ended)).count();
+        seconds[chunk] = lap(began);
     }
     if (is_inner) return;
     loops_.push_back(std::move(seconds));

@@ -240,10 +240,11 @@ void Schedule::connect(Plan& plan) const {
     std::vector<std::vector<bool>> reach(plan.nodes.size());
     for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
         reach[n].assign(plan.nodes.size(), false);
+        const std::vector<std::size_t> later = plan.nodes[n].all();
         for (std::size_t m = n; m-- > 0;) {
             bool dependent = false;
             for (const std::size_t a : plan.nodes[m].all())
-                for (const std::size_t b : plan.nodes[n].all())
+                for (const std::size_t b : later)
                     dependent = dependent || conflict(steps_[a], steps_[b]);
             if (!dependent || reach[n][m]) continue;
             plan.nodes[n].predecessors.push_back(m);
@@ -259,9 +260,7 @@ void Schedule::run_node(Plan& plan, std::size_t node, World& world) {
     auto& n = plan.nodes[node];
     Instant began = settings_.timed ? this_instant() : Instant{};
     const auto note_time = [&](double& seconds) {
-        if (!settings_.timed) return;
-        const Instant now = this_instant();
-        seconds += std::chrono::duration<double>(now - std::exchange(began, now)).count();
+        if (settings_.timed) seconds += lap(began);
     };
     const auto run_rows = [&](const std::vector<std::size_t>& systems, RowRange rows) {
         if (chunked_[systems.front()]->is_idle(rows.first, rows.last)) return;

@@ -184,39 +184,34 @@ private:
     std::vector<std::vector<Row>> bodies_;
 };
 
-/// Notes which groups of bodies another chunk of near rows of spheres than their own pushes. Groups
-/// that lie in two chunks are late, too, and belong to the second.
+/// Notes which groups of bodies another chunk of near rows of spheres than their own pushes.
 class LateGroups {
 public:
     explicit LateGroups(World& world)
         : list_of_(world.column<Bodies, SumsFromOthers>()),
-          spheres_(world.column<Bodies, SpheresOf>()), late_(world.resource<LateBodies>()) {}
+          spheres_(world.column<Bodies, SpheresOf>()),
+          is_late_(world.resource<LateBodies>().is_late) {}
 
     void note(const std::vector<NearChunk>& chunks) {
         const Row groups = (bodies() + group - 1) / group;
-        late_.is_late.assign(groups, 0);
-        late_.runs.clear();
-        late_.first_run.assign(1, 0);
-        for (const NearChunk& c : chunks) {
-            const Row first = c.first_body / group,
-                      last = c.last_body == bodies() ? groups : c.last_body / group;
-            mark(c, first, last);
-            add_runs(first, last);
-            late_.first_run.push_back(late_.runs.size());
-        }
+        is_late_.assign(groups, 0);
+        for (const NearChunk& c : chunks)
+            mark(c, c.last_body == bodies() ? groups : c.last_body / group);
     }
 
 private:
     static constexpr Row group = LateBodies::group;
 
     Row bodies() const { return static_cast<Row>(list_of_.size()); }
-    void mark(const NearChunk& chunk, Row first, Row last) {
+    /// `last`: the first group that does not end in the chunk.
+    void mark(const NearChunk& chunk, Row last) {
         constexpr Row fewest = 4; // groups that are worth a call
-        Row begin = first;        // of those that are not late
+        const Row first = chunk.first_body / group;
+        Row begin = first; // of those that are not late
         for (Row g = first; g < last; ++g) {
-            late_.is_late[g] = g * group < chunk.first_body || has_list(g);
-            if (late_.is_late[g] == 0) continue;
-            if (g - begin < fewest) std::fill_n(&late_.is_late[begin], g - begin, std::uint8_t{1});
+            is_late_[g] = g * group < chunk.first_body || has_list(g);
+            if (is_late_[g] == 0) continue;
+            if (g - begin < fewest) std::fill_n(&is_late_[begin], g - begin, std::uint8_t{1});
             begin = g + 1;
         }
     }
@@ -226,17 +221,9 @@ private:
             if (list_of_[b] != no_row && spheres_[b].count > 0) return true;
         return false;
     }
-    void add_runs(Row first, Row last) {
-        for (Row g = first; g < last; ++g) {
-            if (late_.is_late[g] == 0) continue;
-            const Row from = g;
-            while (g < last && late_.is_late[g] != 0) ++g;
-            late_.runs.push_back({from * group, std::min(g * group, bodies())});
-        }
-    }
     std::span<const Row> list_of_;
     std::span<const SphereRun> spheres_;
-    LateBodies& late_;
+    std::vector<std::uint8_t>& is_late_;
 };
 
 } // namespace

@@ -39,15 +39,10 @@ private:
     void note_late(Random& random) {
         const Row groups = (bodies + group - 1) / group;
         late.is_late.assign(groups, 0);
-        late.first_run = {0};
         for (const NearChunk& c : index.chunks) {
             const Row last = c.last_body == bodies ? groups : c.last_body / group;
-            for (Row g = c.first_body / group; g < last; ++g) {
+            for (Row g = c.first_body / group; g < last; ++g)
                 if (g * group < c.first_body || random.uniform() < 0.2) late.is_late[g] = 1;
-                if (late.is_late[g] != 0)
-                    late.runs.push_back({g * group, std::min((g + 1) * group, bodies)});
-            }
-            late.first_run.push_back(late.runs.size());
         }
     }
 };
