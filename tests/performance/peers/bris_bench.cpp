@@ -28,6 +28,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <ranges>
 #include <sys/prctl.h>
 #include <tuple>
 
@@ -137,7 +138,7 @@ ListSettings lists_of(const Benchmark& s, const peers::Bed& bed) {
     return lists;
 }
 
-/// Means of a step, if each of its threads had a processor.
+/// A step, if each of its threads had a processor and nothing disturbed the machine.
 struct OnThreads {
     double loops = 0;               ///< of several chunks
     double outside = 0, chunks = 0; ///< s on one thread, outside of these loops and in their chunks
@@ -184,7 +185,13 @@ void for_parts(std::uint64_t steps, Advance&& advance) {
     for (std::uint64_t k = 1; k <= parts; ++k) advance(steps * k / parts - steps * (k - 1) / parts);
 }
 
-/// Mean wall times of a step (s) in the parts of the steps, sorted.
+/// The value that a tenth of them are below.
+double tenth_percentile(std::vector<double>& values) {
+    std::ranges::sort(values);
+    return values[values.size() / 10];
+}
+
+/// Mean wall times of a step (s) in the parts of the steps.
 std::vector<double> advance_in_parts(Simulation& simulation, std::uint64_t steps) {
     std::vector<double> step_times;
     for_parts(steps, [&](std::uint64_t count) {
@@ -192,27 +199,61 @@ std::vector<double> advance_in_parts(Simulation& simulation, std::uint64_t steps
         simulation.advance_unseen(count);
         step_times.push_back(seconds_since(began) / static_cast<double>(count));
     });
-    std::ranges::sort(step_times);
     return step_times;
 }
 
-/// Advances by the steps. Returns the part of them with the tenth percentile of time.
+/// Times of the chunks of the loops of steps that run the same loops.
+class LoopsOfSteps {
+public:
+    /// `loops`: of a number of steps, of which only the last may run others.
+    void add(const std::vector<std::vector<double>>& loops, std::size_t steps) {
+        const std::size_t per_step = loops.size() / steps;
+        if (of_chunk_.empty())
+            for (std::size_t k = 0; k < per_step; ++k) of_chunk_.emplace_back(loops[k].size());
+        const auto has_same_chunks = [&](std::size_t k) {
+            return loops[k].size() == of_chunk_[k % per_step].size();
+        };
+        const std::size_t last = per_step * (steps - 1);
+        if (per_step != of_chunk_.size() ||
+            !std::ranges::all_of(std::views::iota(std::size_t{0}, last), has_same_chunks))
+            return; // lists have been made in between
+        for (std::size_t k = 0; k < last; ++k)
+            for (std::size_t c = 0; c < loops[k].size(); ++c)
+                of_chunk_[k % per_step][c].push_back(loops[k][c]);
+    }
+    /// Each chunk takes the tenth percentile of its times, as if nothing disturbed the machine.
+    void give(OnThreads& to, unsigned threads) {
+        for (auto& loop : of_chunk_) {
+            std::vector<double> seconds;
+            for (std::vector<double>& times : loop) seconds.push_back(tenth_percentile(times));
+            to.chunks += std::reduce(seconds.begin(), seconds.end());
+            to.longest += time_on_threads(seconds, threads);
+        }
+    }
+
+private:
+    std::vector<std::vector<std::vector<double>>> of_chunk_; ///< s, by loop, chunk and step
+};
+
 OnThreads loops_of_steps(Simulation& simulation, std::uint64_t steps, unsigned threads) {
-    std::vector<OnThreads> of_parts;
+    std::vector<double> loops, outside;
     for_parts(steps, [&](std::uint64_t count) {
-        const auto n = static_cast<double>(count);
         const LoopTimes times;
         simulation.advance_unseen(count);
-        OnThreads& mean = of_parts.emplace_back();
-        mean.loops = static_cast<double>(times.loops().size()) / n;
-        mean.outside = times.outside() / n;
-        for (const std::vector<double>& chunks : times.loops()) {
-            mean.chunks += std::reduce(chunks.begin(), chunks.end()) / n;
-            mean.longest += time_on_threads(chunks, threads) / n;
-        }
+        loops.push_back(static_cast<double>(times.loops().size()) / static_cast<double>(count));
+        outside.push_back(times.outside() / static_cast<double>(count));
     });
-    std::ranges::sort(of_parts, {}, [](const OnThreads& o) { return o.outside + o.longest; });
-    return of_parts[of_parts.size() / 10];
+    OnThreads found{.loops = tenth_percentile(loops), .outside = tenth_percentile(outside)};
+    LoopsOfSteps chunks;
+    const auto& lists = simulation.world().resource<ListState>();
+    for (std::uint64_t k = 0; k < steps; k += 10) {
+        const std::uint64_t prunes = lists.prunes;
+        const LoopTimes times;
+        simulation.advance_unseen(10);
+        if (lists.prunes == prunes) chunks.add(times.loops(), 10);
+    }
+    chunks.give(found, threads);
+    return found;
 }
 
 Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Bed& bed,
@@ -251,14 +292,14 @@ Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Be
 
     const Ranks::Traffic sent = Ranks::traffic();
     const auto began = this_instant();
-    const std::vector<double> step_times = advance_in_parts(simulation, s.steps);
+    std::vector<double> step_times = advance_in_parts(simulation, s.steps);
     if (const World* part = simulation.part()) {
         o.sent = Ranks::traffic() - sent;
         o.ghost_share = Ranks::largest(ghost_share(*part));
     }
     simulation.look();
     o.wall = seconds_since(began);
-    o.undisturbed = step_times[step_times.size() / 10];
+    o.undisturbed = tenth_percentile(step_times);
 
     o.near_chunks = world.resource<NearIndex<SpherePairs>>().chunks.size();
     o.bodies = world.table<Bodies>().size();
