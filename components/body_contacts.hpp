@@ -6,6 +6,7 @@
 #include "components/sphere.hpp"
 
 #include <algorithm>
+#include <compare>
 #include <cstddef>
 #include <numeric>
 #include <vector>
@@ -40,12 +41,8 @@ public:
         contacts_.resize(first_.back());
         // from the last contact of each body to its first
         for_bodies([&](Row b, Row k, EntityId owner) { contacts_[--first_[b]] = {owner, k}; });
-        const auto name = [&](const Contact& c) { return names[near[c.near].pair]; };
         for (std::size_t b = 0; b + 1 < first_.size(); ++b)
-            std::sort(contacts_.data() + first_[b], contacts_.data() + first_[b + 1],
-                      [&](const Contact& x, const Contact& y) {
-                          return x.owner != y.owner ? x.owner < y.owner : name(x) < name(y);
-                      });
+            std::sort(contacts_.data() + first_[b], contacts_.data() + first_[b + 1]);
     }
 
     /// Calls visit(near row, whether the body is the partner) for the touching pairs of a body:
@@ -61,6 +58,7 @@ private:
     struct Contact {
         EntityId owner; ///< nobody for pairs that the body owns, so that these come last
         Row near;
+        friend auto operator<=>(const Contact&, const Contact&) = default;
     };
     std::vector<Row> first_; ///< bodies + 1
     std::vector<Contact> contacts_;

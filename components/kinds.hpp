@@ -77,7 +77,8 @@ struct MembranePairs {
     static constexpr unsigned rows_per_flag = 8;
 };
 
-/// Calls visit.template operator()<Pairs>() for every kind of pair.
+/// Calls visit.template operator()<Pairs>() for every kind of pair, in the order in which forces
+/// are summed.
 template <class Visit>
 void for_each_kind_of_pair(Visit&& visit) {
     visit.template operator()<SpherePairs>();

@@ -8,8 +8,8 @@
 namespace bris {
 
 /// Permanent name of a pair of surfaces: the body that owns it (of two spheres, the one with the
-/// lower id), the partner body, and the sphere or facet of each. The pairs of two bodies are
-/// contiguous and sorted in this order.
+/// lower id), the partner body, and the sphere or facet of each. The pairs of one owner are sorted
+/// in this order.
 struct PairNames {
     /// sphere: index in the owner's run of spheres; feature: index in the partner's run, or the id
     /// of a facet or plane.
@@ -113,12 +113,9 @@ struct PatchShare : Derived<double> {
     static constexpr auto name = "share", unit = "";
 };
 
-/// Rows of ForceSums to which a near pair adds the forces on its bodies.
-struct SumRowNumbers {
-    Row owner, partner;
-};
-struct SumRows : Derived<SumRowNumbers> {
-    static constexpr auto name = "sum_rows", unit = "";
+/// Row of ForceSums to which the force on the partner of a near pair is added.
+struct PartnerSum : Derived<Row> {
+    static constexpr auto name = "partner_sum", unit = "";
 };
 
 /// The near rows of consecutive bodies, which one thread computes at a time.
@@ -128,24 +125,18 @@ struct NearChunk {
     std::size_t first_across, last_across;  ///< of `across`
 };
 
-/// Index of the near pairs by the body that lists them, whose near rows are contiguous: the owner,
-/// or of two bodies with spheres that with the lower row (`by_row`).
+/// Index of the near pairs by owner. The near rows of an owner are contiguous.
 template <class Pairs>
 struct NearIndex {
     static constexpr auto name = Pairs::name;
     static constexpr unsigned group = Pairs::rows_per_flag; ///< near rows per byte of `touching`
 
-    std::vector<Row> listed_first; ///< bodies + 1
+    std::vector<Row> owned_first; ///< bodies + 1
     std::vector<NearChunk> chunks;
-    /// Near rows one of whose bodies belongs to another chunk of the same kind of pair.
+    /// Near rows whose partner belongs to another chunk of the same kind of pair.
     std::vector<Row> across;
     /// True if every sphere is at the centre of its body: scenes of single spheres.
     bool centred = false;
-    /// No near row reads or pushes a body before the one that lists it. True for spheres, unless
-    /// owners accumulate work.
-    bool by_row = false;
-    /// More near pairs than fit a cache (ListSettings).
-    bool is_far = false;
     /// Bit k of byte first_flags + g of a chunk: near row first + group * g + k of the chunk.
     std::vector<std::uint8_t> touching;
     /// Per chunk: a near row beyond the limit of overlap or of force, or no_row.
@@ -157,9 +148,7 @@ struct NearIndex {
     /// awake, whose springs do not change.
     std::vector<std::uint8_t> look;
 
-    /// Whether bodies may move while later contacts are computed.
-    bool lets_bodies_move() const { return by_row && is_far; }
-    std::size_t size() const { return listed_first.empty() ? 0 : listed_first.back(); }
+    std::size_t size() const { return owned_first.empty() ? 0 : owned_first.back(); }
 
     /// Calls visit(near row) for the near rows whose bit is set in `flags`, which is ordered as
     /// `touching`.
@@ -173,7 +162,7 @@ struct NearIndex {
                         k < c.last)
                         visit(static_cast<Row>(k));
     }
-    /// Calls visit(near row) for the touching pairs, body by body.
+    /// Calls visit(near row) for the touching pairs, owner by owner.
     template <class Visit>
     void for_touching(Visit&& visit) const {
         for_flagged(touching, visit);

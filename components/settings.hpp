@@ -52,10 +52,6 @@ struct ListSettings {
     unsigned sort_every =
         8;            ///< rebuilds from one sorting of rows to the next; 0: rows are not sorted
     bool tune = true; ///< true: the skins are adapted to the measured counts of work
-    // Number of near pairs of single spheres and of spheres of clumps whose bodies, springs and
-    // sums fill a cache of some ten megabytes. With more of them bodies move while later contacts
-    // are computed.
-    std::size_t pairs_in_cache = 65536, pairs_of_clumps_in_cache = 20000;
 };
 
 /// Counts of work, and the state that decides when the pair lists are made anew.

@@ -1,8 +1,6 @@
 #include "engine/schedule.hpp"
 
-#include "engine/follower.hpp"
 #include "engine/parallel.hpp"
-#include "engine/stopwatch.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +9,9 @@
 #endif
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 
 namespace bris {
 
@@ -38,25 +36,6 @@ bool may_share_pass(const System& a, const System& b) {
     return true;
 }
 
-/// Whether a system runs the pass that may follow it.
-bool leads(const System& s) {
-    return !s.completes.empty() && !s.row_local &&
-           std::ranges::any_of(s.accesses, [](const Access& a) {
-               return a.component == typeid(Follower) && a.writes;
-           });
-}
-
-/// Whether a row-local system may work on rows as soon as a leading system has completed them.
-bool may_follow(const System& leader, const System& s) {
-    if (s.row_local != leader.completes.front()) return false;
-    for (const Access& x : leader.accesses)
-        for (const Access& y : s.accesses)
-            if ((x.writes || y.writes) && same_data(x, y) && !(x.commutes && y.commutes) &&
-                std::ranges::find(leader.completes, x.table) == leader.completes.end())
-                return false;
-    return true;
-}
-
 /// Rows per chunk of row-local systems: as many as stay in the cache from one system to the next,
 /// since each call costs some 50 ns. With several threads there are fewer, in multiples of the
 /// lanes, so that no thread waits long for another.
@@ -76,19 +55,9 @@ bool writes_state(const System& s) {
 struct Schedule::Plan {
     struct Node {
         std::vector<std::size_t> systems;
-        std::vector<std::size_t> followers; ///< systems of the pass that follows the leading one
         std::vector<std::size_t> predecessors;
+        double seconds = 0;
         std::string name;
-        std::string pass = {};     ///< name of that which follows
-        double seconds = 0;        ///< s, of the systems; of the leading one where nothing follows
-        double with_followers = 0; ///< s, of both where the pass follows
-        double pass_after = 0;     ///< s, of the pass where it has run after the leading system
-        std::string title() const { return pass.empty() ? name : name + ", then " + pass; }
-        std::vector<std::size_t> all() const {
-            std::vector<std::size_t> both = systems;
-            both.insert(both.end(), followers.begin(), followers.end());
-            return both;
-        }
     };
     std::vector<Node> nodes;
     std::vector<bool> live;
@@ -210,41 +179,17 @@ Schedule::Plan& Schedule::plan_for(std::uint64_t due) {
                 last.name += " + " + s.name;
             }
         }
-        if (!joined) plan.nodes.push_back({{i}, {}, {}, s.name});
+        if (!joined) plan.nodes.push_back({{i}, {}, 0, s.name});
     }
     combine(plan);
-    let_follow(plan);
-    connect(plan);
-    return plan;
-}
-
-/// Joins passes with the leading systems before them.
-void Schedule::let_follow(Plan& plan) const {
-    if (!settings_.following || !settings_.fused) return;
-    for (std::size_t n = 0; n + 1 < plan.nodes.size(); ++n) {
-        auto& leader = plan.nodes[n];
-        const auto& pass = plan.nodes[n + 1];
-        const System& system = steps_[leader.systems.front()];
-        if (!leads(system) || !std::ranges::all_of(pass.systems, [&](std::size_t i) {
-                return may_follow(system, steps_[i]);
-            }))
-            continue;
-        leader.followers = pass.systems;
-        leader.pass = pass.name;
-        plan.nodes.erase(plan.nodes.begin() + static_cast<std::ptrdiff_t>(n) + 1);
-    }
-}
-
-/// Edges to all earlier conflicting nodes, except those implied by other edges.
-void Schedule::connect(Plan& plan) const {
+    // edges to all earlier conflicting nodes, except those implied by other edges
     std::vector<std::vector<bool>> reach(plan.nodes.size());
     for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
         reach[n].assign(plan.nodes.size(), false);
-        const std::vector<std::size_t> later = plan.nodes[n].all();
         for (std::size_t m = n; m-- > 0;) {
             bool dependent = false;
-            for (const std::size_t a : plan.nodes[m].all())
-                for (const std::size_t b : later)
+            for (const std::size_t a : plan.nodes[m].systems)
+                for (const std::size_t b : plan.nodes[n].systems)
                     dependent = dependent || conflict(steps_[a], steps_[b]);
             if (!dependent || reach[n][m]) continue;
             plan.nodes[n].predecessors.push_back(m);
@@ -254,40 +199,27 @@ void Schedule::connect(Plan& plan) const {
         }
         if (n > 0 && !reach[n][n - 1]) plan.chain = false;
     }
+    return plan;
 }
 
-void Schedule::run_node(Plan& plan, std::size_t node, World& world) {
+void Schedule::run_node(Plan& plan, std::size_t node, World&) {
     auto& n = plan.nodes[node];
-    Instant began = settings_.timed ? this_instant() : Instant{};
-    const auto note_time = [&](double& seconds) {
-        if (settings_.timed) seconds += lap(began);
-    };
-    const auto run_rows = [&](const std::vector<std::size_t>& systems, RowRange rows) {
-        if (chunked_[systems.front()]->is_idle(rows.first, rows.last)) return;
-        for (const std::size_t i : systems) calls_[i](rows);
-    };
-    const auto run_pass = [&](const std::vector<std::size_t>& systems) {
-        const std::size_t rows = chunked_[systems.front()]->size();
-        for_chunks(rows, settings_.grain != 0 ? settings_.grain : rows_per_chunk(rows),
+    const auto began = settings_.timed ? std::chrono::steady_clock::now()
+                                       : std::chrono::steady_clock::time_point{};
+    if (const Table* table = chunked_[n.systems.front()]) {
+        for_chunks(table->size(),
+                   settings_.grain != 0 ? settings_.grain : rows_per_chunk(table->size()),
                    [&](std::size_t, std::size_t first, std::size_t last) {
-                       run_rows(systems, {static_cast<Row>(first), static_cast<Row>(last)});
+                       if (table->is_idle(first, last)) return;
+                       for (const std::size_t i : n.systems)
+                           calls_[i](RowRange{static_cast<Row>(first), static_cast<Row>(last)});
                    });
-    };
-    if (chunked_[n.systems.front()] != nullptr) {
-        run_pass(n.systems);
-        note_time(n.seconds);
-    } else if (n.followers.empty()) {
-        calls_[n.systems.front()](std::nullopt);
-        note_time(n.seconds);
     } else {
-        const Follower::Pass pass = [&](RowRange rows) { run_rows(n.followers, rows); };
-        const Follower::Offer offer(world.resource<Follower>(), pass);
         calls_[n.systems.front()](std::nullopt);
-        note_time(offer.is_taken() ? n.with_followers : n.seconds);
-        if (offer.is_taken()) return;
-        run_pass(n.followers);
-        note_time(n.pass_after);
     }
+    if (settings_.timed)
+        n.seconds +=
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
 void Schedule::run(World& world) {
@@ -350,11 +282,7 @@ void Schedule::run(World& world) {
 std::map<std::string, double> Schedule::seconds() const {
     std::map<std::string, double> all;
     for (const auto& [due, plan] : plans_)
-        for (const auto& node : plan->nodes) {
-            if (node.seconds > 0 || node.pass.empty()) all[node.name] += node.seconds;
-            if (node.with_followers > 0) all[node.title()] += node.with_followers;
-            if (node.pass_after > 0) all[node.pass] += node.pass_after;
-        }
+        for (const auto& node : plan->nodes) all[node.name] += node.seconds;
     return all;
 }
 
@@ -370,8 +298,8 @@ std::string Schedule::explain() const {
     for (const auto& node : plan.nodes) {
         std::string after;
         for (const std::size_t m : node.predecessors)
-            after += (after.empty() ? "" : "; ") + plan.nodes[m].title();
-        for (const std::size_t i : node.all()) {
+            after += (after.empty() ? "" : "; ") + plan.nodes[m].name;
+        for (const std::size_t i : node.systems) {
             const System& s = steps_[i];
             for (std::size_t k = 0; k < s.combines.size(); ++k)
                 text += (k == 0 ? "  in place of " : " + ") + s.combines[k];
@@ -380,11 +308,9 @@ std::string Schedule::explain() const {
                 fmt::format("  {}{}\n    reads  {}\n    writes {}\n", s.name,
                             s.due != nullptr ? " (when due)" : "", names(s, false), names(s, true));
         }
-        text += fmt::format("    {}after  {}\n",
-                            !node.followers.empty()   ? "the pass over rows may follow row by row, "
-                            : node.systems.size() > 1 ? "one pass over rows, "
-                                                      : "",
-                            after.empty() ? "-" : after);
+        text +=
+            fmt::format("    {}after  {}\n", node.systems.size() > 1 ? "one pass over rows, " : "",
+                        after.empty() ? "-" : after);
     }
     text += "systems left out:\n";
     for (std::size_t i = 0; i < steps_.size(); ++i)
@@ -399,7 +325,7 @@ std::string Schedule::explain() const {
                 fmt::format("  {}: unwanted (no system reads what it derives)\n", steps_[i].name);
     text += "digraph step {\n";
     for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
-        text += fmt::format("  n{} [label=\"{}\"];\n", n, plan.nodes[n].title());
+        text += fmt::format("  n{} [label=\"{}\"];\n", n, plan.nodes[n].name);
         for (const std::size_t m : plan.nodes[n].predecessors)
             text += fmt::format("  n{} -> n{};\n", m, n);
     }

@@ -15,9 +15,8 @@ struct ScheduleSettings {
     /// another, which measurement prefers: the loops of each system then keep all threads busy, and
     /// each thread finds its part of the bodies in its cache.
     bool overlap = false;
-    bool fused = true;     ///< runs adjacent row-local systems in one pass over the rows
-    bool combined = true;  ///< with `fused`: systems may be replaced by one that combines them
-    bool following = true; ///< with `fused`: a pass may follow a leading system row by row
+    bool fused = true;    ///< runs adjacent row-local systems in one pass over the rows
+    bool combined = true; ///< with `fused`: systems may be replaced by one that combines them
     /// Another valid order: of the systems that could run next, the last one runs.
     bool last_order = false;
     bool timed = false; ///< measures the wall time per node
@@ -33,7 +32,6 @@ struct ScheduleSettings {
 /// out if the scene lacks data that it needs (absent), if no system reads what it derives
 /// (unwanted), and in steps in which it is not due. Adjacent systems that are row-local on the same
 /// table become one node. In place of consecutive nodes a system runs that combines exactly theirs.
-/// A pass over the rows that the system before it completes follows it row by row (`leading`).
 class Schedule {
 public:
     explicit Schedule(StepList steps, ScheduleSettings settings = {});
@@ -50,8 +48,7 @@ public:
     /// Lists the systems that run, with reads, writes and predecessors, those that are left out and
     /// why, and the graph in DOT format.
     std::string explain() const;
-    /// Seconds since prepare(), if timed, by the names of systems that run in one pass, and by the
-    /// names of both where a pass has followed.
+    /// Seconds per node name since prepare(), if timed.
     std::map<std::string, double> seconds() const;
 
 private:
@@ -60,8 +57,6 @@ private:
     Plan& plan_for(std::uint64_t due);
     std::vector<bool> live_systems(std::uint64_t due) const;
     void combine(Plan& plan) const;
-    void let_follow(Plan& plan) const;
-    void connect(Plan& plan) const;
     /// Number of nodes from `first` on whose systems are exactly those named; 0: they are not.
     std::size_t combined_nodes(const Plan& plan, std::size_t first,
                                const std::vector<std::string>& names) const;

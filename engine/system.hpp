@@ -115,9 +115,6 @@ struct System {
     /// Names of systems: where exactly these run one after another, this one runs instead, with the
     /// same result. Elsewhere it is left out. Empty: it runs for itself.
     std::vector<std::string> combines;
-    /// Of a leading system: the table whose rows it completes, and the tables whose rows belong to
-    /// those of this one. Empty: it leads nothing.
-    std::vector<std::type_index> completes;
     /// Whether all tables and resources exist.
     bool (*lacks_only_columns)(const World&) = nullptr;
 };
@@ -194,16 +191,6 @@ inline System required(System system) {
 /// The same system, which replaces `systems` where nothing else runs between them or in their pass.
 inline System combined(std::vector<std::string> systems, System system) {
     system.combines = std::move(systems);
-    return system;
-}
-
-/// The same system, which completes rows of table K one after another: the pass over K that comes
-/// next may follow it at once, if the system has the parameter Follower&. For a row that is
-/// complete it reads and writes nothing any more in K and in the tables Ks, whose rows belong to
-/// those of K.
-template <class K, class... Ks>
-System leading(System system) {
-    system.completes = {typeid(K), typeid(Ks)...};
     return system;
 }
 

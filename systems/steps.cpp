@@ -99,21 +99,19 @@ StepList lists_of_step() {
     };
 }
 
-/// Contacts of spheres come last, so that the pass over bodies can follow them; but first where
-/// work is added up, whose bits follow the order and are kept in beds.
 StepList contacts_of_step(LawName law, const StepChoices& choices) {
-    const StepList spheres{required(collide_spheres(law, choices))}, none;
-    return joined({
-        {system("choose_force_grid", choose_force_grid),
-         system("share_sphere_patches", share_sphere_patches),
-         system("share_plane_patches", share_plane_patches)},
-        choices.energy_budget ? spheres : none,
-        {required(collide_facets(law, choices)), required(collide_planes(law, choices)),
-         required(collide_membrane(law, choices)), required(collide_sleeve(law, choices)),
-         system("sum_boundaries", sum_boundaries),
-         system("share_boundary_forces", share_boundary_forces)},
-        choices.energy_budget ? none : spheres,
-    });
+    return {
+        system("choose_force_grid", choose_force_grid),
+        system("share_sphere_patches", share_sphere_patches),
+        system("share_plane_patches", share_plane_patches),
+        required(collide_spheres(law, choices)),
+        required(collide_facets(law, choices)),
+        required(collide_planes(law, choices)),
+        required(collide_membrane(law, choices)),
+        required(collide_sleeve(law, choices)),
+        system("sum_boundaries", sum_boundaries),
+        system("share_boundary_forces", share_boundary_forces),
+    };
 }
 
 /// Forces on bodies, which are complete after damping.

@@ -25,13 +25,6 @@ inline std::uint32_t add_material(World& world, const Material& material) {
     return world.resource<Materials>().add(material);
 }
 
-/// The lists of scenes that are too large for a cache: bodies move while later contacts are
-/// computed.
-inline ListSettings beyond_cache(ListSettings lists = {}) {
-    lists.pairs_in_cache = lists.pairs_of_clumps_in_cache = 0;
-    return lists;
-}
-
 /// Observed order of convergence: log2 of the ratio of the errors at a step and at half of it.
 inline double order_of(double coarse_error, double fine_error) {
     return std::log2(coarse_error / fine_error);

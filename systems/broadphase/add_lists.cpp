@@ -1,10 +1,8 @@
 #include "components/boundary.hpp"
 #include "components/census.hpp"
 #include "components/force_sums.hpp"
-#include "components/late_bodies.hpp"
 #include "components/membrane.hpp"
 #include "components/sleeve.hpp"
-#include "engine/follower.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/broadphase/sphere_rows.hpp"
 
@@ -31,7 +29,7 @@ void add_pair_tables(World& world, LawName law) {
     if (has_wear(law) && !std::is_same_v<Pairs, MembranePairs>) pairs.add<Worn>();
     Table& near = world.table<typename Pairs::Near>();
     near.add<NearPair>();
-    near.add<SumRows>();
+    near.add<PartnerSum>();
     near.add<PairForce>();
     world.add_resource<NearIndex<Pairs>>();
     world.add_resource<detail::Candidates<Pairs>>();
@@ -96,8 +94,6 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     world.add_resource<Census>();
     world.add_resource<Observation>();
     world.add_resource<MotionColumns>();
-    world.add_resource<LateBodies>();
-    world.add_resource<Follower>();
 }
 
 } // namespace bris

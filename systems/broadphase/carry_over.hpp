@@ -4,10 +4,8 @@
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
 
-#include <algorithm>
-#include <atomic>
 #include <functional>
-#include <numeric>
+#include <span>
 #include <vector>
 
 namespace bris::detail {
@@ -17,54 +15,76 @@ template <class History>
 class Kept {
 public:
     /// Copies the history of pairs that have any. `row_of`: of each of the `bodies`, by id.
-    Kept(const Table& table, const RowIndex& row_of, std::size_t bodies) : row_of_(row_of) {
+    Kept(const Table& table, const RowIndex& row_of, std::size_t bodies) {
         if (!table.has<History>()) return;
         const auto names = table.column<PairKey>();
         const auto values = table.column<History>();
         first_.assign(bodies + 1, 0);
-        const auto for_kept = [&](auto&& visit) {
-            for_rows(names.size(), [&](Row r) {
-                if (History::keep(values[r]))
-                    visit(r, std::atomic_ref(first_[row_of[names[r].owner]]));
-            });
-        };
-        for_kept([](Row, auto count) { count.fetch_add(1, std::memory_order_relaxed); });
-        std::inclusive_scan(first_.begin(), first_.end(), first_.begin());
-        pairs_.resize(first_.back());
-        for_kept([&](Row r, auto end) { // from the last pair of each owner to its first
-            pairs_[end.fetch_sub(1, std::memory_order_relaxed) - 1] = {names[r], values[r]};
+        for_owners(names, [&](EntityId owner, std::size_t begin, std::size_t end) {
+            const Row row = row_of[owner];
+            for (std::size_t r = begin; r < end; ++r)
+                if (History::keep(values[r])) ++first_[row + 1];
         });
-        for_rows(bodies, [&](Row b) {
-            std::sort(pairs_.data() + first_[b], pairs_.data() + first_[b + 1],
-                      [](const Pair& x, const Pair& y) { return x.names < y.names; });
+        for (std::size_t b = 0; b < bodies; ++b) first_[b + 1] += first_[b];
+        names_.resize(first_.back());
+        values_.resize(first_.back());
+        for_owners(names, [&](EntityId owner, std::size_t begin, std::size_t end) {
+            Row next = first_[row_of[owner]];
+            for (std::size_t r = begin; r < end; ++r) {
+                if (!History::keep(values[r])) continue;
+                names_[next] = names[r];
+                values_[next++] = values[r];
+            }
         });
     }
 
-    /// Writes the history of the same pairs, and zero for others.
-    void give_back(Table& table) const {
-        if (!table.has<History>()) return;
-        const auto names = table.column<PairKey>();
-        const auto values = table.column<History>();
-        for_rows(names.size(), [&](Row r) { values[r] = find(names[r]); });
+    /// History of the pair of that name of the body in row `owner`, or zero. `cursor` starts at
+    /// first(owner); each call advances it, so names must be asked for in ascending order.
+    typename History::Value find(const PairNames& names, std::size_t owner, Row& cursor) const {
+        const Row end = first_[owner + 1];
+        while (cursor < end && names_[cursor] < names) ++cursor;
+        return cursor < end && names_[cursor] == names ? values_[cursor]
+                                                       : typename History::Value{};
     }
+    Row first(std::size_t owner) const { return first_[owner]; }
 
 private:
-    struct Pair {
-        PairNames names;
-        typename History::Value value;
-    };
-    typename History::Value find(const PairNames& names) const {
-        const Row owner = row_of_[names.owner];
-        const auto begin = pairs_.begin() + first_[owner], end = pairs_.begin() + first_[owner + 1];
-        const auto found = std::lower_bound(
-            begin, end, names, [](const Pair& p, const PairNames& n) { return p.names < n; });
-        return found != end && found->names == names ? found->value : typename History::Value{};
+    /// Calls body(owner, begin, end) for the rows of each owner, which are contiguous and sorted,
+    /// in parallel.
+    template <class Body>
+    static void for_owners(std::span<const PairNames> names, Body&& body) {
+        for_chunks(names.size(), 4096, [&](std::size_t, std::size_t first, std::size_t last) {
+            // an owner belongs to the chunk in which its rows begin
+            while (first > 0 && first < last && names[first].owner == names[first - 1].owner)
+                ++first;
+            while (first < last) {
+                std::size_t end = first + 1;
+                while (end < names.size() && names[end].owner == names[first].owner) ++end;
+                body(names[first].owner, first, end);
+                first = end;
+            }
+        });
     }
-
-    const RowIndex& row_of_;
-    std::vector<Row> first_; ///< by the owner's row
-    std::vector<Pair> pairs_;
+    std::vector<Row> first_; // by the owner's row
+    std::vector<PairNames> names_;
+    std::vector<typename History::Value> values_;
 };
+
+/// Copies the kept history into the new rows of a table.
+template <class History>
+void give_back(Table& table, const Kept<History>& kept, const std::vector<Row>& first) {
+    if (!table.has<History>()) return;
+    const auto names = table.column<PairKey>();
+    const auto values = table.column<History>();
+    for_chunks(first.size() - 1, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+            if (first[b] == first[b + 1]) continue;
+            Row cursor = kept.first(b);
+            for (Row r = first[b]; r < first[b + 1]; ++r)
+                values[r] = kept.find(names[r], b, cursor);
+        }
+    });
+}
 
 /// Makes the rows of a pair table from what was found body by body, and carries the history over.
 /// `candidate(entry)` is the Candidate of an entry of the lists.
@@ -87,9 +107,9 @@ void replace_pairs(World& world, const ChunkLists<Entry>& found, const std::vect
         rows[index] = c.rows;
     });
     world.resource<Candidates<Pairs>>().first = first;
-    springs.give_back(table);
-    rolls.give_back(table);
-    worn.give_back(table);
+    give_back(table, springs, first);
+    give_back(table, rolls, first);
+    give_back(table, worn, first);
 }
 
 } // namespace bris::detail

@@ -3,8 +3,6 @@
 #include "components/body.hpp"
 #include "components/force_sums.hpp"
 #include "components/kinds.hpp"
-#include "components/late_bodies.hpp"
-#include "components/sphere.hpp"
 #include "engine/parallel.hpp"
 
 #include <algorithm>
@@ -28,13 +26,11 @@ class ChunkCutter {
 public:
     explicit ChunkCutter(NearIndex<Pairs>& index) : index_(index) { index_.chunks.clear(); }
     /// Near rows of the bodies before `body` that are in no chunk yet.
-    Row rows_before(Row body) const {
-        return index_.listed_first[body] - index_.listed_first[next_];
-    }
-    /// Ends a chunk before this body, unless the last one has ended there.
+    Row rows_before(Row body) const { return index_.owned_first[body] - index_.owned_first[next_]; }
+    /// Ends a chunk before this body. Without near rows its bodies go into the next one.
     void end_before(Row body) {
-        if (body == next_) return;
-        const Row first = index_.listed_first[next_], last = index_.listed_first[body];
+        const Row first = index_.owned_first[next_], last = index_.owned_first[body];
+        if (first == last) return;
         index_.chunks.push_back({next_, body, first, last, flags_, 0, 0});
         flags_ += (last - first + index_.group - 1) / index_.group;
         next_ = body;
@@ -47,19 +43,19 @@ private:
     std::size_t flags_ = 0; ///< bytes of `touching`
 };
 
-/// Work of each body, in units of a near pair that does not touch.
+/// Work of the contacts of each body, in units of a near pair that does not touch.
 class Work {
 public:
     explicit Work(const World& world)
         : near_(world.column<NearSpheres, NearPair>()),
-          index_(world.resource<NearIndex<SpherePairs>>()) {
+          owned_(world.resource<NearIndex<SpherePairs>>().owned_first) {
         const Table& pairs = world.table<SpherePairs>();
         if (pairs.has<Spring>()) spring_ = pairs.column<Spring>();
     }
     std::uint64_t of(Row body) const {
-        constexpr std::uint64_t of_contact = 16, of_motion = 16;
-        std::uint64_t sum = index_.lets_bodies_move() ? of_motion : 0;
-        for (Row k = index_.listed_first[body]; k < index_.listed_first[body + 1]; ++k)
+        constexpr std::uint64_t of_contact = 16;
+        std::uint64_t sum = 0;
+        for (Row k = owned_[body]; k < owned_[body + 1]; ++k)
             sum += !spring_.empty() && Spring::keep(spring_[near_[k].pair]) ? of_contact : 1;
         return sum;
     }
@@ -67,7 +63,7 @@ public:
 private:
     std::span<const NearEntry> near_;
     std::span<const SpringRow> spring_; ///< empty where the law has no history
-    const NearIndex<SpherePairs>& index_;
+    const std::vector<Row>& owned_;
 };
 
 /// Cuts the bodies so that each thread has a part of equal work. Its chunks become smaller towards
@@ -104,12 +100,11 @@ public:
     explicit Outside(World& world)
         : index_(world.resource<NearIndex<Pairs>>()),
           near_(world.column<typename Pairs::Near, NearPair>()),
-          pairs_(world.column<Pairs, PairRows>()), body_(world.column<Listed, ListedBody>()),
-          target_(world.column<typename Pairs::Near, SumRows>()), bodies_(index_.chunks.size()) {
+          pairs_(world.column<Pairs, PairRows>()),
+          target_(world.column<typename Pairs::Near, PartnerSum>()), bodies_(index_.chunks.size()) {
         for_each_chunk([&](std::size_t c, const NearChunk& here) {
-            for_near(here, [&](Row, Row, Row other, bool) {
-                if (!owns(here, other)) bodies_[c].push_back(other);
-            });
+            for (Row k = here.first; k < here.last; ++k)
+                if (const Row b = partner(k); !owns(here, b)) bodies_[c].push_back(b);
             std::ranges::sort(bodies_[c]);
             const auto repeated = std::ranges::unique(bodies_[c]);
             bodies_[c].erase(repeated.begin(), repeated.end());
@@ -133,18 +128,16 @@ public:
                 // pushed onto the body's list; the order does not matter, as integers are added
                 next[row] = std::atomic_ref(list_of[bodies_[c][i]]).exchange(row);
             }
-            for_near(here, [&](Row k, Row lister, Row other, bool lister_owns) {
-                const auto at = std::ranges::lower_bound(bodies_[c], other) - bodies_[c].begin();
-                const Row outer = owns(here, other)
-                                      ? other
-                                      : static_cast<Row>(start[c] + static_cast<std::size_t>(at));
+            for (Row k = here.first; k < here.last; ++k) {
+                const Row b = partner(k);
+                const auto at = std::ranges::lower_bound(bodies_[c], b) - bodies_[c].begin();
                 target_[k] =
-                    lister_owns ? SumRowNumbers{lister, outer} : SumRowNumbers{outer, lister};
-            });
+                    owns(here, b) ? b : static_cast<Row>(start[c] + static_cast<std::size_t>(at));
+            }
         });
         if (std::is_same_v<Pairs, SpherePairs> && index_.chunks.size() > 1) note_across();
         for (std::size_t k = index_.size(); k < target_.size(); ++k)
-            target_[k] = {0, 0}; // of padding, which is never stored
+            target_[k] = 0; // of padding, which is never stored
     }
 
 private:
@@ -153,20 +146,11 @@ private:
         for (NearChunk& here : index_.chunks) {
             here.first_across = index_.across.size();
             for (Row k = here.first; k < here.last; ++k)
-                if (!owns(here, target_[k].owner) || !owns(here, target_[k].partner))
-                    index_.across.push_back(k);
+                if (!owns(here, target_[k])) index_.across.push_back(k);
             here.last_across = index_.across.size();
         }
     }
-    /// Calls visit(near row, body that lists it, its other body, whether the former owns it).
-    template <class Visit>
-    void for_near(const NearChunk& chunk, Visit&& visit) const {
-        for (Row b = chunk.first_body; b < chunk.last_body; ++b)
-            for (Row k = index_.listed_first[b]; k < index_.listed_first[b + 1]; ++k) {
-                const Row partner = pairs_[near_[k].pair].partner_body;
-                visit(k, b, partner == b ? body_[near_[k].owner] : partner, partner != b);
-            }
-    }
+    Row partner(Row near_row) const { return pairs_[near_[near_row].pair].partner_body; }
     /// Boundaries belong to no chunk, because the units of their torques differ.
     static bool owns(const NearChunk& chunk, Row body) {
         return std::is_same_v<Pairs, SpherePairs> && body >= chunk.first_body &&
@@ -180,51 +164,8 @@ private:
     NearIndex<Pairs>& index_;
     std::span<const NearEntry> near_;
     std::span<const PairRowNumbers> pairs_;
-    std::span<const Row> body_;
-    std::span<SumRowNumbers> target_;
+    std::span<Row> target_;
     std::vector<std::vector<Row>> bodies_;
-};
-
-/// Notes which groups of bodies another chunk of near rows of spheres than their own pushes.
-class LateGroups {
-public:
-    explicit LateGroups(World& world)
-        : list_of_(world.column<Bodies, SumsFromOthers>()),
-          spheres_(world.column<Bodies, SpheresOf>()),
-          is_late_(world.resource<LateBodies>().is_late) {}
-
-    void note(const std::vector<NearChunk>& chunks) {
-        const Row groups = (bodies() + group - 1) / group;
-        is_late_.assign(groups, 0);
-        for (const NearChunk& c : chunks)
-            mark(c, c.last_body == bodies() ? groups : c.last_body / group);
-    }
-
-private:
-    static constexpr Row group = LateBodies::group;
-
-    Row bodies() const { return static_cast<Row>(list_of_.size()); }
-    /// `last`: the first group that does not end in the chunk.
-    void mark(const NearChunk& chunk, Row last) {
-        constexpr Row fewest = 4; // groups that are worth a call
-        const Row first = chunk.first_body / group;
-        Row begin = first; // of those that are not late
-        for (Row g = first; g < last; ++g) {
-            is_late_[g] = g * group < chunk.first_body || has_list(g);
-            if (is_late_[g] == 0) continue;
-            if (g - begin < fewest) std::fill_n(&is_late_[begin], g - begin, std::uint8_t{1});
-            begin = g + 1;
-        }
-    }
-    /// Whether contacts of spheres push one of its bodies from another chunk.
-    bool has_list(Row g) const {
-        for (Row b = g * group; b < std::min((g + 1) * group, bodies()); ++b)
-            if (list_of_[b] != no_row && spheres_[b].count > 0) return true;
-        return false;
-    }
-    std::span<const Row> list_of_;
-    std::span<const SphereRun> spheres_;
-    std::vector<std::uint8_t>& is_late_;
 };
 
 } // namespace
@@ -232,14 +173,13 @@ private:
 template <class Pairs>
 void divide_into_chunks(World& world) {
     auto& index = world.resource<NearIndex<Pairs>>();
-    const Row bodies = static_cast<Row>(index.listed_first.size()) - 1;
+    const Row bodies = static_cast<Row>(index.owned_first.size()) - 1;
     ChunkCutter<Pairs> cutter(index);
     if constexpr (std::is_same_v<Pairs, SpherePairs>) {
         cut_equal_parts(Work(world), bodies, cutter);
     } else {
         for (Row b = 0; b < bodies; ++b)
-            if (cutter.rows_before(b) > 0 && cutter.rows_before(b + 1) > boundary_rows_per_chunk)
-                cutter.end_before(b);
+            if (cutter.rows_before(b + 1) > boundary_rows_per_chunk) cutter.end_before(b);
     }
     cutter.end_before(bodies);
     index.beyond_limit.assign(index.chunks.size(), no_row);
@@ -270,8 +210,6 @@ void direct_forces(World& world) {
         sums.resize(first + outside.count());
         outside.assign_rows(first, sums.column<NextSum>(), list_of);
     });
-    const auto& index = world.resource<NearIndex<SpherePairs>>();
-    if (index.lets_bodies_move()) LateGroups(world).note(index.chunks);
 }
 
 } // namespace bris::detail

@@ -11,9 +11,8 @@ namespace bris::detail {
 template <class Pairs>
 void divide_into_chunks(World& world);
 
-/// Determines where all near rows add the forces on the bodies that do not list them: in the sum of
-/// the body if the same chunk owns it, otherwise in a row of its list (ForceSums). Notes the late
-/// bodies.
+/// Determines where the forces on the partners of all near rows are added: in the sum of the
+/// partner if the same chunk owns it, otherwise in a row of its list (ForceSums).
 void direct_forces(World& world);
 
 } // namespace bris::detail

@@ -48,7 +48,7 @@ void list_near(World& world, Near&& near_bits) {
     auto& index = world.resource<NearIndex<Pairs>>();
     detail::ChunkLists<NearEntry> found;
     found.collect(
-        candidates.size() - 1, index.listed_first, [&](std::vector<NearEntry>& list, Row b) {
+        candidates.size() - 1, index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
             for (Row first = candidates[b], last = candidates[b + 1]; first < last;
                  first += lane_count) {
                 const unsigned count = std::min<unsigned>(lane_count, last - first);
@@ -65,10 +65,7 @@ void list_near(World& world, Near&& near_bits) {
     found.lay_out([&](std::size_t slot, const NearEntry& e) { entry[slot] = e; });
     for (std::size_t k = count; k < padded; ++k)
         entry[k] = entry[0]; // lanes past the end read valid rows
-    const auto& settings = world.resource<ListSettings>();
     index.centred = world.table<Bodies>().has<SphereInertia>();
-    index.is_far =
-        count > (index.centred ? settings.pairs_in_cache : settings.pairs_of_clumps_in_cache);
     index.awake.clear();
     index.look.clear();
     detail::divide_into_chunks<Pairs>(world);
@@ -239,9 +236,9 @@ void prune_pairs(World& world) {
     if (world.has<Elements>()) list_near_membrane(world);
     if (world.has<Triangles>()) list_near_triangles(world);
     detail::note_membrane_at_prune(world);
+    detail::direct_forces(world);
     list_spheres(world);
     for_each_kind_of_pair([&]<class Pairs>() { use_slots<Pairs>(world); });
-    detail::direct_forces(world);
     detail::note_poses<PrunedAt, PrunedOrientation>(world);
     const auto displacement = world.column<Bodies, DisplacementBound>();
     for_rows(displacement.size(), [&](Row b) { displacement[b] = 0; });

@@ -238,10 +238,6 @@ void find_sphere_pairs(World& world) {
         if (s.run[b].count > 0) rows.push_back(b);
     const SizeGrids grids(s.position, s.radius, std::move(rows),
                           world.resource<ListSettings>().widest_ratio);
-    // the work of contacts is added to their owners, each by one thread
-    bool& by_row = world.resource<NearIndex<SpherePairs>>().by_row;
-    by_row = !bodies.has<FrictionWork>();
-    const auto lists = [&](Row a, Row b) { return by_row ? a < b : s.id[a] < s.id[b]; };
     // two ghosts concern other ranks only
     const Ghosts ghosts(bodies);
     const auto free_body = [&](Row b) {
@@ -256,17 +252,15 @@ void find_sphere_pairs(World& world) {
         Scratch& mine = scratch[a / found.rows_per_chunk];
         mine.partners.clear();
         grids.around(s.position[a], s.radius[a], [&](Row b) {
-            if (!lists(a, b) || (!free_body(a) && !free_body(b))) return;
+            if (s.id[b] <= s.id[a] || (!free_body(a) && !free_body(b))) return;
             if (ghosts[a] && ghosts[b]) return;
             const double reach = s.radius[a] + s.radius[b];
             if ((s.position[a] - s.position[b]).squaredNorm() < reach * reach)
                 mine.partners.push_back(b);
         });
-        std::sort(mine.partners.begin(), mine.partners.end(), lists);
-        for (const Row b : mine.partners) {
-            const bool owns = s.id[a] < s.id[b];
-            pairs_of_bodies(s, owns ? a : b, owns ? b : a, mine, list);
-        }
+        std::sort(mine.partners.begin(), mine.partners.end(),
+                  [&](Row x, Row y) { return s.id[x] < s.id[y]; });
+        for (const Row b : mine.partners) pairs_of_bodies(s, a, b, mine, list);
     });
     replace_pairs<SpherePairs>(world, found, first,
                                [&](const Found& f) { return candidate(s, f); });

@@ -15,11 +15,11 @@
 
 namespace bris::detail {
 
-using SumsAndLists = Rows<ForceSums, const NextSum, ContactSum>;
+using SumRows = Rows<ForceSums, const NextSum, ContactSum>;
 
 /// Calls take(row) for the rows of a body's list, and clears them.
 template <class Take>
-void take_list(Row first, const SumsAndLists& sums, Take&& take) {
+void take_list(Row first, const SumRows& sums, Take&& take) {
     SumRow* row = sums.column<ContactSum>();
     const Row* next = sums.column<NextSum>();
     for (Row k = first; k != no_row; k = next[k]) {
@@ -71,9 +71,8 @@ inline Vec3Lanes converted(double unit, const FourLanes& sums, const LaneMask& h
 /// Converts the sums of contact forces of one body after another from integers.
 class BodySums {
 public:
-    BodySums(const Rows<Bodies, const SumsFromOthers, const SpheresOf>& bodies,
-             const SumsAndLists& sums, const ForceGrid& grid, const Census& census,
-             const BoundarySums& boundaries)
+    BodySums(const Rows<Bodies, const SumsFromOthers, const SpheresOf>& bodies, const SumRows& sums,
+             const ForceGrid& grid, const Census& census, const BoundarySums& boundaries)
         : list_(bodies.column<SumsFromOthers>()), spheres_(bodies.column<SpheresOf>()),
           sum_(sums.column<ContactSum>()), sums_(sums), grid_(grid), census_(census),
           boundaries_(boundaries) {}
@@ -148,7 +147,7 @@ private:
     const Row* list_;
     const SphereRun* spheres_;
     SumRow* sum_;
-    SumsAndLists sums_;
+    SumRows sums_;
     const ForceGrid& grid_;
     const Census& census_;
     const BoundarySums& boundaries_;

@@ -1,12 +1,16 @@
 #pragma once
 
 #include "engine/parallel.hpp"
-#include "systems/contact/early_motion.hpp"
 #include "systems/contact/tile.hpp"
 
 #include <algorithm>
 
 namespace bris::detail {
+
+/// Number of near rows whose bodies, springs and sums fill a cache of some ten megabytes: of single
+/// spheres, and of clumps, whose springs lie among those of more candidates. With at most so many
+/// rows, prefetching costs more than it brings.
+inline constexpr std::size_t near_spheres_in_cache = 65536, near_rows_of_clumps_in_cache = 20000;
 
 /// Near rows whose touching pairs are listed before the law is applied to them.
 inline constexpr std::size_t near_rows_per_block = 2048;
@@ -72,17 +76,10 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
     for (Row row = first; row < last; row += 8) {
         const std::size_t group = first_group + (row - first) / 8;
         if (sleepers.skips(group)) continue;
-        const NearEntry* near = to.near + row;
-        std::array<NearEntry, 8> padded;
-        const bool is_whole = last - row >= 8;
-        if (!is_whole) { // other threads may move the bodies of the next chunk
-            for (Row q = 0; q < 8; ++q) padded[q] = near[std::min(q, last - row - 1)];
-            near = padded.data();
-        }
-        unsigned now = geometry.touching(near);
-        if constexpr (lane_count == 4) now |= geometry.touching(near + 4) << 4;
-        const unsigned here = is_whole ? 0xff : (1u << (last - row)) - 1;
-        now &= here;
+        unsigned now = geometry.touching(to.near + row);
+        if constexpr (lane_count == 4) now |= geometry.touching(to.near + row + 4) << 4;
+        const unsigned here = last - row < 8 ? (1u << (last - row)) - 1 : 0xff;
+        now &= here; // springs of the next chunk may be written meanwhile
         if constexpr (Law::has_reach) now |= held<Law>(to, geometry, row, here & ~now);
         if (row + 56 <= last) geometry.prefetch_positions(to.near + row + 48);
         now = sleepers.touching(group, now, flags[group]);
@@ -108,14 +105,13 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
 ///   double gap(near), radius(near)  of one pair: gap between the surfaces, effective radius, m
 ///   void prefetch_positions(near)   prefetches what touching() will read for these eight pairs
 ///   void prefetch_rows<where>(to, rows)   prefetches what the tile after the next will read
-///   void prefetch_across(to, row)   of spheres: prefetches what a pair of bodies of two chunks
-///                                   reads and writes
+///   void prefetch_partner(to, row)  of spheres: prefetches what a pair reads and writes of its
+///                                   partner
 ///   unsigned collide<Law, where>(to, rows, count)   applies the law (`where`: SumsAt); bits of the
 ///                                   lanes whose overlap or force is beyond the limit
-/// `motion`: moves bodies whose contacts are all computed; null: nothing does.
 template <class Law, class Geometry, class Pairs>
 void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index,
-                   std::size_t chunk, const EarlyMotion* motion) {
+                   std::size_t chunk) {
     const NearChunk& here = index.chunks[chunk];
     alignas(64) std::array<Row, near_rows_per_block + 8> touching;
     const auto flags_of = [&](std::vector<std::uint8_t>& flags) {
@@ -123,15 +119,17 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
     };
     Sleepers sleepers(to, flags_of(index.awake), flags_of(index.look));
     Separated separated;
+    const bool far =
+        index.size() > (index.centred ? near_spheres_in_cache : near_rows_of_clumps_in_cache);
     constexpr bool of_spheres = std::is_same_v<Pairs, SpherePairs>;
     if constexpr (of_spheres)
-        if (!index.is_far) // other threads have written these rows
+        if (!far) // other threads have written these rows
             for (std::size_t k = here.first_across; k < here.last_across; ++k)
-                geometry.prefetch_across(to, index.across[k]);
+                geometry.prefetch_partner(to, index.across[k]);
     const auto collide = [&]<SumsAt where>(std::size_t count) {
         if (count != 0) std::fill_n(&touching[count], 8, touching[count - 1]);
         for (std::size_t k = 0; k < count; k += lane_count) {
-            if (index.is_far && k + 3 * lane_count <= count)
+            if (far && k + 3 * lane_count <= count)
                 geometry.template prefetch_rows<where>(to, &touching[k + 2 * lane_count]);
             const int here_count = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
             const unsigned beyond =
@@ -142,7 +140,6 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
         }
     };
     std::size_t across = here.first_across;
-    Row group = EarlyMotion::first_group(here);
     for (Row first = here.first; first < here.last; first += near_rows_per_block) {
         const Row last = std::min<Row>(first + near_rows_per_block, here.last);
         const std::size_t count =
@@ -160,19 +157,15 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
         }
         separated.clear_springs(to);
         sleepers.put_springs_back();
-        if (motion != nullptr) group = motion->move(here, group, last);
     }
-    if (motion != nullptr && here.first == here.last) motion->move(here, group, here.last);
 }
 
 /// The same for all near rows of a kind of pair, in parallel.
 template <class Law, class Geometry, class Pairs>
-void collide_all(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index,
-                 const EarlyMotion* motion = nullptr) {
+void collide_all(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index) {
     for_chunks(index.chunks.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
-        collide_chunk<Law>(to, geometry, index, chunk, motion);
+        collide_chunk<Law>(to, geometry, index, chunk);
     });
-    if (motion != nullptr) motion->move_late();
 }
 
 } // namespace bris::detail

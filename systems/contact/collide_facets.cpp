@@ -172,7 +172,7 @@ public:
 
     void collide() {
         for (Row body = here_.first_body; body < here_.last_body; ++body) {
-            const Row first = index_.listed_first[body], last = index_.listed_first[body + 1];
+            const Row first = index_.owned_first[body], last = index_.owned_first[body + 1];
             if (first == last) continue;
             if (names(first).partner == names(last - 1).partner)
                 collide_rows(std::views::iota(first, last));
@@ -309,7 +309,7 @@ template <class Law, class Near, class Pairs, class Work>
 struct Collide;
 template <class Law, class... Near, class... Pairs, class... Work>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
-    static void facets(Rows<NearFacets, const NearPair, const SumRows, PairForce, Near...> near,
+    static void facets(Rows<NearFacets, const NearPair, const PartnerSum, PairForce, Near...> near,
                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Facets, const FacetPosition> facet_rows,
                        Rows<FacetPairs, const PairKey, Pairs...> pairs,

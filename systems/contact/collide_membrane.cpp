@@ -153,7 +153,7 @@ void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePai
 
 // a membrane has no friction, whatever the law between grains is
 template <class Law, class... Work>
-void collide(Rows<NearMembrane, const NearPair, const SumRows, PairForce, FootOf> near,
+void collide(Rows<NearMembrane, const NearPair, const PartnerSum, PairForce, FootOf> near,
              detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
              Rows<Bodies, const Position> positions,
              Rows<Elements, const ElementRadius, const ElementSpeed> elements, ElementSums& sums,

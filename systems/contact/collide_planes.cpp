@@ -104,7 +104,7 @@ template <class Law, class Near, class Pairs, class Work>
 struct Collide;
 template <class Law, class... Near, class... Pairs, class... Work>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
-    static void planes(Rows<NearPlanes, const NearPair, const SumRows, PairForce, Near...> near,
+    static void planes(Rows<NearPlanes, const NearPair, const PartnerSum, PairForce, Near...> near,
                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Planes, const PlanePosition> plane_rows,
                        Rows<PlanePairs, Pairs...> pairs, NearIndex<PlanePairs>& index,

@@ -95,7 +95,7 @@ void collide_chunk(const TileTarget& to, const Cloth& cloth, NearIndex<MembraneP
 }
 
 template <class Law, class... Work>
-void collide(Rows<NearMembrane, const NearPair, const SumRows, PairForce, TreadOf> near,
+void collide(Rows<NearMembrane, const NearPair, const PartnerSum, PairForce, TreadOf> near,
              detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
              Rows<Bodies, const Position> positions, Rows<Nodes, const NodeVelocity> nodes,
              Rows<Triangles, const Corners, const TriangleAt> triangles,

@@ -19,13 +19,13 @@ void normalise(double* share, Row first, Row last, Belongs&& belongs) {
         if (belongs(k)) share[k] = sum > 0 ? share[k] / sum : 1;
 }
 
-// calls share_rows(first, last) with the near rows that each body lists
+// calls share_rows(first, last) with the range of near rows of every owner
 template <class Pairs, class ShareRows>
-void for_bodies(const NearIndex<Pairs>& index, ShareRows&& share_rows) {
+void for_owners(const NearIndex<Pairs>& index, ShareRows&& share_rows) {
     for_chunks(index.chunks.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
         const NearChunk& here = index.chunks[chunk];
         for (Row b = here.first_body; b < here.last_body; ++b)
-            share_rows(index.listed_first[b], index.listed_first[b + 1]);
+            share_rows(index.owned_first[b], index.owned_first[b + 1]);
     });
 }
 
@@ -43,12 +43,10 @@ void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near,
         const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
         return std::max(0.0, a.radius + b.radius - std::sqrt(dx * dx + dy * dy + dz * dz));
     };
-    for_bodies(index, [&](Row first, Row last) {
-        for (Row k = first; k < last;) { // the pairs of two bodies are contiguous
-            const Row patch = k, owner = body[entry[k].owner], partner = body[entry[k].other];
-            for (; k < last && body[entry[k].owner] == owner && body[entry[k].other] == partner;
-                 ++k)
-                share[k] = overlap(k);
+    for_owners(index, [&](Row first, Row last) {
+        for (Row k = first; k < last;) { // pairs with one partner are contiguous
+            const Row patch = k, partner = body[entry[k].other];
+            for (; k < last && body[entry[k].other] == partner; ++k) share[k] = overlap(k);
             normalise(share, patch, k, [](Row) { return true; });
         }
     });
@@ -63,7 +61,7 @@ void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near,
     const PlaneRow* plane = planes.column<PlanePosition>();
     double* share = near.column<PatchShare>();
     const auto count = static_cast<Row>(planes.size());
-    for_bodies(index, [&](Row first, Row last) {
+    for_owners(index, [&](Row first, Row last) {
         for (Row k = first; k < last; ++k) {
             const SphereRow& a = sphere_row[entry[k].owner];
             const PlaneRow& p = plane[entry[k].other];

@@ -41,13 +41,11 @@ struct SphereSurfaces {
         movers.prefetch_rows(other);
         to.prefetch_rows<where>(rows, {own.data(), other.data()});
     }
-    void prefetch_across(const TileTarget& to, Row row) const {
-        for (const Row slot : {to.near[row].owner, to.near[row].other}) {
-            prefetch(&movers.sphere_row[slot]);
-            movers.prefetch_row(movers.body_of(slot));
-        }
-        prefetch<true>(&to.sums.sum[to.sums.rows[row].owner]);
-        prefetch<true>(&to.sums.sum[to.sums.rows[row].partner]);
+    void prefetch_partner(const TileTarget& to, Row row) const {
+        const Row slot = to.near[row].other;
+        prefetch(&movers.sphere_row[slot]);
+        movers.prefetch_row(movers.body_of(slot));
+        prefetch<true>(&to.sums.of_partner<SumsAt::rows>(row, 0));
     }
 };
 

@@ -16,29 +16,24 @@
 
 namespace bris::detail {
 
-/// Where contacts add their forces: to the sums of the bodies, if both belong to the chunk of the
-/// near row, or to those that SumRows names.
+/// Where contacts add the forces on partners: to the sums of these bodies, if they belong to the
+/// chunk of the near row as the owners do, or to those that PartnerSum names.
 enum class SumsAt { bodies, rows };
 
 /// The sums to which the forces of pairs are added, and their units.
 struct SumTarget {
     SumRow* sum;
-    const SumRowNumbers* rows;                        ///< by near row
+    const Row* partner;                               ///< row of the partner's sum, by near row
     double per_force, per_torque, per_partner_torque; ///< units per N and N m
 
-    SumTarget(SumRow* sums, const SumRowNumbers* sum_rows, const ForceGrid& grid,
-              bool with_boundary)
-        : sum(sums), rows(sum_rows), per_force(1 / grid.force), per_torque(1 / grid.torque),
+    SumTarget(SumRow* sums, const Row* partners, const ForceGrid& grid, bool with_boundary)
+        : sum(sums), partner(partners), per_force(1 / grid.force), per_torque(1 / grid.torque),
           per_partner_torque(1 / (with_boundary ? grid.host_torque : grid.torque)) {}
-    /// The sum of the owner of a near pair, a body in row `body`.
-    template <SumsAt where>
-    SumRow& of_owner(Row near_row, std::size_t body) const {
-        return sum[where == SumsAt::bodies ? body : rows[near_row].owner];
-    }
-    /// The sum of the partner. The row of a boundary does not matter.
+    /// The sum for the partner of a near pair, a body in row `body`, which does not matter for
+    /// SumsAt::rows.
     template <SumsAt where>
     SumRow& of_partner(Row near_row, std::size_t body) const {
-        return sum[where == SumsAt::bodies ? body : rows[near_row].partner];
+        return sum[where == SumsAt::bodies ? body : partner[near_row]];
     }
 };
 
@@ -73,8 +68,7 @@ struct TileTarget {
     /// Prefetches the rows that the contacts of these near rows write.
     template <SumsAt where>
     void prefetch_rows(const Row* rows, const BodiesOfTile& bodies) const {
-        for (int q = 0; q < lane_count; ++q)
-            prefetch<true>(&sums.of_owner<where>(rows[q], bodies.own[q]));
+        for (int q = 0; q < lane_count; ++q) prefetch<true>(&sums.sum[bodies.own[q]]);
         for (int q = 0; q < lane_count; ++q)
             prefetch<true>(&sums.of_partner<where>(rows[q], bodies.partner[q]));
         if (history.spring != nullptr)
@@ -124,7 +118,7 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const BodyRo
         scene.materials.own_pairs.data(),
         laws.size() == 1,
         scene.observation.due,
-        {scene.sums.column<ContactSum>(), near.template column<SumRows>(), scene.grid,
+        {scene.sums.column<ContactSum>(), near.template column<PartnerSum>(), scene.grid,
          !std::is_same_v<typename NearRows::TableKind, NearSpheres>},
         work,
         {scene.materials.policy, scene.clock.dt, work.friction != nullptr}};
@@ -267,9 +261,8 @@ public:
             reinterpret_cast<Lane>(BitsOfLane{} - reinterpret_cast<BitsOfLane>(size));
         const FourLanes forces = integers(force_, Lane{});
         const FourLanes own = integers(own_, size), partner = integers(partner_, minus_size);
-        add_integer_rows<false>(forces, own, count, [&](int q) {
-            return &to.template of_owner<where>(rows[q], bodies.own[q]).fx;
-        });
+        add_integer_rows<false>(forces, own, count,
+                                [&](int q) { return &to.sum[bodies.own[q]].fx; });
         add_integer_rows<true>(forces, partner, count, [&](int q) {
             return &to.template of_partner<where>(rows[q], bodies.partner[q]).fx;
         });

@@ -43,7 +43,7 @@ Work extent_along(const World& world, int axis, std::span<const std::uint32_t> g
 void fill(Work& work, const World& world, int axis, std::span<const std::uint32_t> ghost) {
     const auto position = world.column<Bodies, Position>();
     const auto run = world.column<Bodies, SpheresOf>();
-    const auto& first = world.resource<NearIndex<SpherePairs>>().listed_first;
+    const auto& first = world.resource<NearIndex<SpherePairs>>().owned_first;
     const bool has_lists = first.size() == run.size() + 1;
     const std::size_t last = work.bins.size() - 1;
     const double width = (work.high - work.low) / static_cast<double>(work.bins.size());

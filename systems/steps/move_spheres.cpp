@@ -14,7 +14,7 @@ namespace bris {
 
 namespace {
 
-using detail::SumsAndLists;
+using detail::SumRows;
 using Places = Rows<Listed, ListedPosition>;
 
 /// Resources that the combined systems read.
@@ -73,7 +73,7 @@ void complete_motion_of_step(const MovedSpheres& bodies, const Places& listed,
 }
 
 /// The combined systems themselves, for groups of rows with a boundary and for incomplete ones.
-void move_bodies(const MovedSpheres& bodies, const SumsAndLists& sums, const Places& listed,
+void move_bodies(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, ListState& lists, Alarm& alarm) {
     sum_contacts(bodies, sums, s.grid, s.census, s.boundaries, alarm);
     apply_gravity(bodies, s.gravity);
@@ -89,7 +89,7 @@ void move_bodies(const MovedSpheres& bodies, const SumsAndLists& sums, const Pla
 /// Moves lane_count spheres at a time.
 class SphereGroups {
 public:
-    SphereGroups(const MovedSpheres& bodies, const SumsAndLists& sums, const Places& listed,
+    SphereGroups(const MovedSpheres& bodies, const SumRows& sums, const Places& listed,
                  const Settings& s, bool observed, const MotionColumns& columns)
         : bodies_(bodies), sums_(bodies, sums, s.grid, s.census, s.boundaries),
           sphere_(listed.column<ListedPosition>()),
@@ -244,7 +244,7 @@ private:
 
 } // namespace
 
-void move_spheres(MovedSpheres bodies, SumsAndLists sums, Places listed, const ForceGrid& grid,
+void move_spheres(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,
                   const Census& census, const BoundarySums& boundaries, const Gravity& gravity,
                   const Limits& limits, const Clock& clock, const Observation& observation,
                   MotionColumns& columns, ListState& lists, Alarm& alarm) {
@@ -287,11 +287,11 @@ void complete_motion_for_ranks(MovedSpheres bodies, Places listed, const Slab&,
     if (lists.used_up || health.bad) complete_motion_of_step(bodies, listed, columns, lists);
 }
 
-void move_spheres_of_slab(MovedSpheres bodies, SumsAndLists sums, Places listed,
-                          const ForceGrid& grid, const Census& census,
-                          const BoundarySums& boundaries, const Gravity& gravity,
-                          const Limits& limits, const Clock& clock, const Observation& observation,
-                          MotionColumns& columns, Slab& slab, ListState& lists, Alarm& alarm) {
+void move_spheres_of_slab(MovedSpheres bodies, SumRows sums, Places listed, const ForceGrid& grid,
+                          const Census& census, const BoundarySums& boundaries,
+                          const Gravity& gravity, const Limits& limits, const Clock& clock,
+                          const Observation& observation, MotionColumns& columns, Slab& slab,
+                          ListState& lists, Alarm& alarm) {
     const RowRange ghosts{slab.first_ghost, static_cast<Row>(bodies.size())};
     for_chunks_of(bodies, {0, ghosts.first}, [&](const MovedSpheres& own) {
         move_spheres(own, sums, listed, grid, census, boundaries, gravity, limits, clock,

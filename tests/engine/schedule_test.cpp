@@ -1,4 +1,3 @@
-#include "engine/follower.hpp"
 #include "engine/health.hpp"
 #include "engine/parallel.hpp"
 #include "engine/schedule.hpp"
@@ -309,74 +308,6 @@ TEST_SUITE("engine/schedule") {
         World world = world_of(10);
         CHECK(has(explained(whole, world), "in place of left + right + join"));
         CHECK(has(explained(fewer, world), "all at once: not exactly the systems"));
-    }
-
-    TEST_CASE("a pass follows the leading system before it row by row if that takes it, and runs "
-              "after it otherwise") {
-        // b of the upper half needs a of the lower one, which the pass changes
-        const auto lead = +[](Rows<Cells, const A, B> cells, Follower& follower, Log& log) {
-            const Row all = cells.last(), half = all / 2;
-            const double* a = cells.column<A>();
-            double* b = cells.column<B>();
-            const bool follows = log.step < 3 && follower.take();
-            for (Row r = half; r < all; ++r) b[r] = a[r] + a[r - half];
-            if (follows) follower.run({half, all});
-            for (Row r = 0; r < half; ++r) b[r] = 2 * a[r];
-            if (follows) follower.run({0, half});
-            if (follows) ++log.step;
-        };
-        const StepList list{leading<Cells>(system("lead", lead)), row_local("right", c_from_a),
-                            row_local("join", a_from_b_and_c)};
-        const auto world_with_follower = [] {
-            World world = world_of(1000);
-            world.add_resource(Log{});
-            world.add_resource<Follower>();
-            return world;
-        };
-        const auto run = [&](ScheduleSettings settings) {
-            World world = world_with_follower();
-            Schedule schedule(list, settings);
-            schedule.prepare(world);
-            Threads team(3);
-            team.run([&] {
-                for (int step = 0; step < 5; ++step) schedule.run(world);
-            });
-            const auto a = world.column<Cells, A>();
-            return std::pair{std::vector<double>(a.begin(), a.end()), world.resource<Log>().step};
-        };
-        World world = world_with_follower();
-        const std::string text = explained(list, world);
-        CHECK(has(text, "\"lead, then right + join\""));
-        CHECK(has(text, "the pass over rows may follow row by row"));
-        CHECK_FALSE(world.resource<Follower>().take());
-        const auto [reference, never] = run({.following = false});
-        const auto [same, taken] = run({});
-        CHECK(never == 0);
-        CHECK(taken == 3); // and twice the schedule has run the pass
-        CHECK(same == reference);
-        CHECK(run({.overlap = true}).first == reference);
-        CHECK(run({.fused = false}).second == 0);
-    }
-
-    TEST_CASE("no pass follows a system that may still read or write what the pass uses") {
-        World world = world_of(10);
-        world.add_resource<Follower>();
-        const auto follows = [&](System before, System pass) {
-            return has(explained({std::move(before), std::move(pass),
-                                  system("read what they derive", a_from_b_and_c)},
-                                 world),
-                       ", then ");
-        };
-        const auto lead = +[](Rows<Cells, const A, B>, Rows<Others, D>, Follower&) {};
-        const auto without = +[](Rows<Cells, const A, B>) {};
-        const auto read_d = +[](Rows<Cells, const B, C>, Rows<Others, const D>) {};
-        CHECK(follows(leading<Cells>(system("lead", lead)), row_local("pass", c_from_a)));
-        CHECK_FALSE(follows(leading<Cells>(system("lead", without)), row_local("pass", c_from_a)));
-        CHECK_FALSE(follows(system("lead", lead), row_local("pass", c_from_a)));
-        CHECK_FALSE(follows(leading<Cells>(system("lead", lead)), system("pass", c_from_a)));
-        CHECK_FALSE(follows(leading<Others>(system("lead", lead)), row_local("pass", c_from_a)));
-        CHECK_FALSE(follows(leading<Cells>(system("lead", lead)), row_local("pass", read_d)));
-        CHECK(follows(leading<Cells, Others>(system("lead", lead)), row_local("pass", read_d)));
     }
 
     TEST_CASE("row-local systems do not share a pass if one writes another table that the next one "

@@ -216,7 +216,6 @@ TEST_SUITE("sleep") {
             CHECK(run({.threads = 3, .schedule = {.last_order = true, .grain = 8}}) == whole);
             CHECK(run({.lists = {.sort_every = 0}}) == whole);
             CHECK(run({.lists = {.sort_every = 1}}) == whole);
-            CHECK(run({.threads = 2, .lists = testing::beyond_cache()}) == whole);
             CHECK(run({.lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .tune = false}}) ==
                   whole);
             CHECK(run({.lists = {.outer_skin = 0.001, .inner_skin = 0.0001, .tune = false}}) ==

@@ -43,7 +43,6 @@ struct Benchmark {
          huge_pages = true, overlap = false;
     double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
-    std::string motion = "scene";
     std::uint64_t least_rows = ScheduleSettings{}.least_rows;
     unsigned spheres = 2000, threads = 1, worlds = 1;
     bool loops = false;
@@ -77,10 +76,6 @@ struct Benchmark {
                at_least(1));
         option("sort_every", sort_every, "",
                "Number of rebuilds of the neighbour lists between sorts of the rows. 0: never.");
-        option("motion", motion, "",
-               "Whether bodies move while contacts are being computed (follows) or after that "
-               "(apart), or as the size of the scene calls for.",
-               {"scene", "follows", "apart"});
         option("widest_ratio", widest_ratio, "",
                "Largest ratio of radii in one grid of the neighbour search.", above(1));
         option("one_pass", one_pass, "",
@@ -125,9 +120,6 @@ double translational_energy(const World& world) {
 
 ListSettings lists_of(const Benchmark& s, const peers::Bed& bed) {
     ListSettings lists{.widest_ratio = s.widest_ratio, .sort_every = s.sort_every};
-    if (s.motion != "scene")
-        lists.pairs_in_cache = lists.pairs_of_clumps_in_cache =
-            s.motion == "follows" ? 0 : std::numeric_limits<std::size_t>::max();
     if (s.skin == 0) return lists;
     double radius = 0;
     for (const Ball& b : bed.balls) radius += b.radius / static_cast<double>(bed.balls.size());
@@ -185,10 +177,10 @@ void for_parts(std::uint64_t steps, Advance&& advance) {
     for (std::uint64_t k = 1; k <= parts; ++k) advance(steps * k / parts - steps * (k - 1) / parts);
 }
 
-/// The value that a tenth of them are below.
+/// The value that a tenth of them are below; NaN if there are none.
 double tenth_percentile(std::vector<double>& values) {
     std::ranges::sort(values);
-    return values[values.size() / 10];
+    return values.empty() ? std::numeric_limits<double>::quiet_NaN() : values[values.size() / 10];
 }
 
 /// Mean wall times of a step (s) in the parts of the steps.
