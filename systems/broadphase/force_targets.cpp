@@ -18,7 +18,7 @@ namespace {
 /// Near rows of contacts with boundaries per chunk: so few that 64 threads find work in a bed of
 /// 16 000 spheres, and that even contacts at twice the limit of overlap cannot leave the range of
 /// their sum. Whether they do must not depend on the threads.
-constexpr std::size_t boundary_rows_per_chunk = 32;
+constexpr std::size_t boundary_rows_per_chunk = 64;
 
 /// Cuts the bodies into chunks, one after another.
 template <class Pairs>
