@@ -15,10 +15,12 @@ namespace bris::detail {
 
 namespace {
 
-/// Near rows of contacts with boundaries per chunk: so few that 64 threads find work in a bed of
-/// 16 000 spheres, and that even contacts at twice the limit of overlap cannot leave the range of
-/// their sum. Whether they do must not depend on the threads.
-constexpr std::size_t boundary_rows_per_chunk = 64;
+/// Near rows of contacts with boundaries per chunk: so few that even contacts at twice the limit of
+/// overlap cannot leave the range of their sum, and of planes, which take least to begin with, so
+/// few that 64 threads find work in a bed of 16 000 spheres. Whether a sum leaves the range must
+/// not depend on the threads.
+template <class Pairs>
+constexpr std::size_t boundary_rows_per_chunk = std::is_same_v<Pairs, PlanePairs> ? 64 : 128;
 
 /// Cuts the bodies into chunks, one after another.
 template <class Pairs>
@@ -179,7 +181,7 @@ void divide_into_chunks(World& world) {
         cut_equal_parts(Work(world), bodies, cutter);
     } else {
         for (Row b = 0; b < bodies; ++b)
-            if (cutter.rows_before(b + 1) > boundary_rows_per_chunk) cutter.end_before(b);
+            if (cutter.rows_before(b + 1) > boundary_rows_per_chunk<Pairs>) cutter.end_before(b);
     }
     cutter.end_before(bodies);
     index.beyond_limit.assign(index.chunks.size(), no_row);
