@@ -1,6 +1,7 @@
 #include "engine/schedule.hpp"
 
 #include "engine/parallel.hpp"
+#include "engine/stopwatch.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +10,6 @@
 #endif
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <stdexcept>
 
@@ -204,8 +204,7 @@ Schedule::Plan& Schedule::plan_for(std::uint64_t due) {
 
 void Schedule::run_node(Plan& plan, std::size_t node, World&) {
     auto& n = plan.nodes[node];
-    const auto began = settings_.timed ? std::chrono::steady_clock::now()
-                                       : std::chrono::steady_clock::time_point{};
+    const Instant began = settings_.timed ? this_instant() : Instant{};
     if (const Table* table = chunked_[n.systems.front()]) {
         for_chunks(table->size(),
                    settings_.grain != 0 ? settings_.grain : rows_per_chunk(table->size()),
@@ -217,9 +216,7 @@ void Schedule::run_node(Plan& plan, std::size_t node, World&) {
     } else {
         calls_[n.systems.front()](std::nullopt);
     }
-    if (settings_.timed)
-        n.seconds +=
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    if (settings_.timed) n.seconds += seconds_since(began);
 }
 
 void Schedule::run(World& world) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <utility>
 
 namespace bris {
 
@@ -10,12 +9,6 @@ inline Instant this_instant() { return std::chrono::steady_clock::now(); }
 /// Wall time (s) since `began`.
 inline double seconds_since(Instant began) {
     return std::chrono::duration<double>(this_instant() - began).count();
-}
-
-/// The same, and `began` becomes this instant.
-inline double lap(Instant& began) {
-    const Instant now = this_instant();
-    return std::chrono::duration<double>(now - std::exchange(began, now)).count();
 }
 
 } // namespace bris

@@ -10,6 +10,7 @@
 #include "engine/memory.hpp"
 #include "engine/ranks.hpp"
 #include "engine/scenario.hpp"
+#include "engine/signal/median.hpp"
 #include "engine/simulation.hpp"
 #include "engine/stopwatch.hpp"
 #include "scenarios/specimens/start.hpp"
@@ -25,7 +26,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <ranges>
@@ -130,6 +130,9 @@ ListSettings lists_of(const Benchmark& s, const peers::Bed& bed) {
     return lists;
 }
 
+/// The share of parts or steps that nothing else on the machine disturbs.
+constexpr double undisturbed_share = 0.1;
+
 /// A step, if each of its threads had a processor and nothing disturbed the machine.
 struct OnThreads {
     double loops = 0;               ///< of several chunks
@@ -177,12 +180,6 @@ void for_parts(std::uint64_t steps, Advance&& advance) {
     for (std::uint64_t k = 1; k <= parts; ++k) advance(steps * k / parts - steps * (k - 1) / parts);
 }
 
-/// The value that a tenth of them are below; NaN if there are none.
-double tenth_percentile(std::vector<double>& values) {
-    std::ranges::sort(values);
-    return values.empty() ? std::numeric_limits<double>::quiet_NaN() : values[values.size() / 10];
-}
-
 /// Mean wall times of a step (s) in the parts of the steps.
 std::vector<double> advance_in_parts(Simulation& simulation, std::uint64_t steps) {
     std::vector<double> step_times;
@@ -212,12 +209,14 @@ public:
         for (std::size_t k = 0; k < last; ++k)
             for (std::size_t c = 0; c < loops[k].size(); ++c)
                 of_chunk_[k % per_step][c].push_back(loops[k][c]);
+        steps_ += steps - 1;
     }
+    std::size_t steps() const { return steps_; }
     /// Each chunk takes the tenth percentile of its times, as if nothing disturbed the machine.
-    void give(OnThreads& to, unsigned threads) {
-        for (auto& loop : of_chunk_) {
+    void give(OnThreads& to, unsigned threads) const {
+        for (const auto& loop : of_chunk_) {
             std::vector<double> seconds;
-            for (std::vector<double>& times : loop) seconds.push_back(tenth_percentile(times));
+            for (const auto& times : loop) seconds.push_back(quantile(times, undisturbed_share));
             to.chunks += std::reduce(seconds.begin(), seconds.end());
             to.longest += time_on_threads(seconds, threads);
         }
@@ -225,8 +224,11 @@ public:
 
 private:
     std::vector<std::vector<std::vector<double>>> of_chunk_; ///< s, by loop, chunk and step
+    std::size_t steps_ = 0;
 };
 
+/// Advances by the steps twice: in long parts, of which the observed last step counts little, for
+/// what lies outside of loops; and ten at a time for the chunks, without those that make lists.
 OnThreads loops_of_steps(Simulation& simulation, std::uint64_t steps, unsigned threads) {
     std::vector<double> loops, outside;
     for_parts(steps, [&](std::uint64_t count) {
@@ -235,7 +237,8 @@ OnThreads loops_of_steps(Simulation& simulation, std::uint64_t steps, unsigned t
         loops.push_back(static_cast<double>(times.loops().size()) / static_cast<double>(count));
         outside.push_back(times.outside() / static_cast<double>(count));
     });
-    OnThreads found{.loops = tenth_percentile(loops), .outside = tenth_percentile(outside)};
+    OnThreads found{.loops = quantile(loops, undisturbed_share),
+                    .outside = quantile(outside, undisturbed_share)};
     LoopsOfSteps chunks;
     const auto& lists = simulation.world().resource<ListState>();
     for (std::uint64_t k = 0; k < steps; k += 10) {
@@ -244,6 +247,8 @@ OnThreads loops_of_steps(Simulation& simulation, std::uint64_t steps, unsigned t
         simulation.advance_unseen(10);
         if (lists.prunes == prunes) chunks.add(times.loops(), 10);
     }
+    require(chunks.steps() > 0, "--loops: expected ten --steps in a row that make no lists, "
+                                "found none");
     chunks.give(found, threads);
     return found;
 }
@@ -284,14 +289,14 @@ Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Be
 
     const Ranks::Traffic sent = Ranks::traffic();
     const auto began = this_instant();
-    std::vector<double> step_times = advance_in_parts(simulation, s.steps);
+    const std::vector<double> step_times = advance_in_parts(simulation, s.steps);
     if (const World* part = simulation.part()) {
         o.sent = Ranks::traffic() - sent;
         o.ghost_share = Ranks::largest(ghost_share(*part));
     }
     simulation.look();
     o.wall = seconds_since(began);
-    o.undisturbed = tenth_percentile(step_times);
+    o.undisturbed = quantile(step_times, undisturbed_share);
 
     o.near_chunks = world.resource<NearIndex<SpherePairs>>().chunks.size();
     o.bodies = world.table<Bodies>().size();
