@@ -1,8 +1,15 @@
+#include "engine/random.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "tests/about.hpp"
 #include "tests/support.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
 
 using namespace bris;
 using namespace bris::testing;
@@ -63,9 +70,65 @@ double pair_estimate(double ratio) {
     return estimate(sim) / limit;
 }
 
+/// The least stable step (s) of the spheres at these places, without any bounds: from the largest
+/// eigenvalue of the 6 x 6 matrix of each, with twice the stiffness of its contacts, as their
+/// partners move too.
+double least_step_of_all(std::span<const Vec3> places, double ks, double mass, double inertia) {
+    using Mat6 = Eigen::Matrix<double, 6, 6>;
+    Eigen::Matrix<double, 6, 1> root;
+    root << Vec3::Constant(1 / std::sqrt(mass)), Vec3::Constant(1 / std::sqrt(inertia));
+    double largest = 0;
+    for (const Vec3& x : places) {
+        Mat6 sum = Mat6::Zero();
+        for (const Vec3& y : places) {
+            const double apart = (y - x).norm();
+            if (apart == 0 || apart >= 2 * radius) continue;
+            const Vec3 n = (y - x) / apart, arm = apart / 2 * n;
+            Eigen::Matrix<double, 3, 6> moves;
+            for (Eigen::Index k = 0; k < 3; ++k) {
+                moves.col(k) = Vec3::Unit(k);
+                moves.col(k + 3) = Vec3::Unit(k).cross(arm);
+            }
+            const Mat3 along = n * n.transpose();
+            const Mat3 contact = kn * along + ks * (Mat3::Identity() - along);
+            sum += 2 * moves.transpose() * contact * moves;
+        }
+        const Mat6 scaled = root.asDiagonal() * sum * root.asDiagonal();
+        largest =
+            std::max(largest, Eigen::SelfAdjointEigenSolver<Mat6>(scaled).eigenvalues().maxCoeff());
+    }
+    return 0.999 * 2 / std::sqrt(largest);
+}
+
 } // namespace
 
 TEST_SUITE("contact/stable_step") {
+    TEST_CASE("the estimate for many spheres is the least step of any of them") {
+        for (const double ratio : {0.0, 2.0 / 7, 1.0})
+            for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
+                CAPTURE(ratio);
+                CAPTURE(seed);
+                World world = make_world(Grains::spheres);
+                const auto material = add_material(world, linear_material(kn, ratio * kn, 1));
+                std::vector<Vec3> places; // a lattice with gaps, in which some touch
+                for (std::uint64_t k = 0; k < 216; ++k) {
+                    Random random(seed, k);
+                    if (random.uniform() < 0.3) continue;
+                    const Vec3 site(static_cast<double>(k % 6), static_cast<double>(k / 6 % 6),
+                                    static_cast<double>(k / 36));
+                    places.push_back(radius * (1.99 * site + 0.02 * random.direction()));
+                    add_sphere(world, places.back(), radius, material);
+                }
+                const double mass = value_of<Mass>(world, 0),
+                             inertia = value_of<SphereInertia>(world, 0);
+                Simulation sim = begin(std::move(world), {});
+                const double least = least_step_of_all(places, ratio * kn, mass, inertia),
+                             found = estimate(sim);
+                CHECK(found <= least * (1 + 1e-9));
+                CHECK(found >= least * (1 - 5e-4));
+            }
+    }
+
     TEST_CASE("the estimate for a sphere on a wall is its stability limit") {
         for (const double ratio : {0.0, 2.0 / 7, 0.5, 1.0}) {
             CAPTURE(ratio);
