@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace bris {
 
 namespace {
@@ -58,8 +56,7 @@ const Archive::Array& Archive::checked(const std::string& path, std::size_t scal
     return *array;
 }
 
-void for_pieces(const Archive& archive,
-                const std::function<void(std::size_t, const StatePiece&)>& visit) {
+void for_pieces(const Archive& archive, const std::function<void(const StatePiece&)>& visit) {
     const auto& all = archive.arrays();
     for (std::size_t first = 0, end = 0; first < all.size(); first = end) {
         const std::string& key = all[first].key;
@@ -72,40 +69,49 @@ void for_pieces(const Archive& archive,
                     fmt::format("checkpoint: '{}': expected {} rows, found {}", array.path, rows,
                                 array.rows()));
         std::size_t row = 0;
-        do { // a table without rows has one piece, for its shape
+        do { // arrays without rows have one piece, for their shape
             const std::uint32_t block = ids.empty() ? 0 : ids[row] / ids_per_block;
             std::size_t next = ids.empty() ? rows : row;
             while (next < ids.size() && ids[next] / ids_per_block == block) ++next;
-            StatePiece piece{.arrays = {}, .ids = block, .first_row = row, .rows_of_table = rows};
-            for (const auto& array : table) {
-                const std::size_t width = array.width();
-                piece.arrays.push_back(
-                    {&array, std::span(array.bytes).subspan(row * width, (next - row) * width)});
+            for (std::size_t k = 0; k < table.size(); ++k) {
+                const std::size_t width = table[k].width();
+                visit(
+                    {.array = &table[k],
+                     .bytes = std::span(table[k].bytes).subspan(row * width, (next - row) * width),
+                     .number = k,
+                     .arrays = table.size(),
+                     .ids = block,
+                     .first_row = row,
+                     .rows_of_table = rows});
             }
-            visit(first, piece);
             row = next;
         } while (row < rows);
     }
 }
 
-std::uint64_t hash_of(const StatePiece& piece, const std::string& prefix) {
-    std::uint64_t h = 0x62726973;
-    for (const auto& [array, bytes] : piece.arrays) {
-        if (!array->path.starts_with(prefix)) continue;
-        h = mix(mix(h, array->scalar_size), array->columns);
-        h = mix_bytes(h, bytes.data(), bytes.size());
+void BlockHashes::add(const StatePiece& piece) {
+    const Archive::Array& array = *piece.array;
+    if (piece.number == 0) {
+        if (piece.first_row == 0) {
+            present_.array = arrays_;
+            arrays_ += piece.arrays;
+        }
+        present_.ids = piece.ids;
+        present_.hash = 0x62726973;
+        is_hashed_ = false;
     }
-    return h;
+    if (array.path.starts_with(prefix_)) {
+        const std::uint64_t shaped = mix(mix(present_.hash, array.scalar_size), array.columns);
+        present_.hash = mix_bytes(shaped, piece.bytes.data(), piece.bytes.size());
+        is_hashed_ = true;
+    }
+    if (is_hashed_ && piece.number + 1 == piece.arrays) blocks_.push_back(present_);
 }
 
 std::vector<StateBlock> hash_blocks(const Archive& archive, const std::string& prefix) {
-    std::vector<StateBlock> blocks;
-    for_pieces(archive, [&](std::size_t first, const StatePiece& piece) {
-        const auto matches = [&](const auto& rows) { return rows.array->path.starts_with(prefix); };
-        if (std::ranges::any_of(piece.arrays, matches))
-            blocks.push_back({first, piece.ids, hash_of(piece, prefix)});
-    });
-    return blocks;
+    BlockHashes hashes(prefix);
+    for_pieces(archive, [&](const StatePiece& piece) { hashes.add(piece); });
+    return hashes.blocks();
 }
 
 std::uint64_t fingerprint(const Archive& archive, const std::vector<StateBlock>& blocks) {

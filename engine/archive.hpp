@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace bris {
@@ -93,26 +94,37 @@ struct StateBlock {
     bool operator==(const StateBlock&) const = default;
 };
 
-/// What is hashed and written of State at once: the rows of such a block, or an array without ids.
+/// What is hashed and written of State at once: the rows of such a block in one array.
 struct StatePiece {
-    struct Rows {
-        const Archive::Array* array; ///< whose bytes do not matter here
-        std::span<const std::byte> bytes;
-        /// The array without rows.
-        Archive::Array layout() const {
-            return {array->path, array->scalar, array->scalar_size, array->columns, {}, array->key};
-        }
-    };
-    std::vector<Rows> arrays; ///< of the table
-    std::uint32_t ids = 0;    ///< as in StateBlock
+    const Archive::Array* array = nullptr; ///< whose bytes do not matter here
+    std::span<const std::byte> bytes = {};
+    std::size_t number = 0, arrays = 1; ///< which of how many arrays of the table
+    std::uint32_t ids = 0;              ///< as in StateBlock
     std::size_t first_row = 0, rows_of_table = 0;
+    /// The array without rows.
+    Archive::Array layout() const {
+        return {array->path, array->scalar, array->scalar_size, array->columns, {}, array->key};
+    }
 };
-/// Calls visit(index of the first array, piece) for all pieces of an archive in the order of arrays
-/// and ids. Throws InputError if the arrays of a table differ in their number of rows.
-void for_pieces(const Archive& archive,
-                const std::function<void(std::size_t, const StatePiece&)>& visit);
-/// Hash of the shapes and values of the arrays of a piece whose path starts with `prefix`.
-std::uint64_t hash_of(const StatePiece& piece, const std::string& prefix = "");
+/// Calls visit(piece) for all pieces of an archive in the order of tables, ids and arrays. Throws
+/// InputError if the arrays of a table differ in their number of rows.
+void for_pieces(const Archive& archive, const std::function<void(const StatePiece&)>& visit);
+
+/// The hashes of the shapes and values of blocks whose pieces pass in that order: of their arrays
+/// whose path starts with `prefix`, and of blocks that have such.
+class BlockHashes {
+public:
+    explicit BlockHashes(std::string prefix = "") : prefix_(std::move(prefix)) {}
+    void add(const StatePiece& piece);
+    const std::vector<StateBlock>& blocks() const { return blocks_; }
+
+private:
+    std::string prefix_;
+    std::vector<StateBlock> blocks_;
+    StateBlock present_ = {};
+    std::size_t arrays_ = 0; // of the tables so far
+    bool is_hashed_ = false; // whether the present block has such arrays
+};
 
 /// The blocks of all arrays whose path starts with `prefix`, in the order of arrays and ids. Each
 /// can be hashed by whoever holds its rows. Throws as for_pieces.

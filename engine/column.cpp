@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <new>
 #include <sys/mman.h>
 #include <utility>
@@ -54,15 +55,19 @@ void* map_huge_pages(std::size_t bytes) {
 Column::Block::Block(std::size_t bytes, std::size_t used) {
     // huge pages pay from about ten thousand spheres on: up to a third of the step time at 100 000,
     // depending on the processor (tests/performance/peers/switches). A page is huge if at least
-    // half of it is used; the last part of a column is then in ordinary pages.
-    const std::size_t shift = bytes >= 16 * page ? next_shift() : 0,
-                      huge = (used + shift + huge_page / 2) / huge_page * huge_page,
-                      unit = huge > 0 ? page : line;
-    const std::size_t rounded = std::max((bytes + shift + unit - 1) / unit * unit, huge);
-    if (huge > 0) {
+    // three quarters of it are used; the last part of a column is in ordinary pages, which go back
+    // to the system when the column does.
+    const std::size_t shift = bytes >= 16 * page ? next_shift() : 0, end = used + shift,
+                      huge = (end + huge_page / 4) / huge_page * huge_page;
+    const bool maps = end >= huge_page / 2;
+    const std::size_t unit = maps ? page : line,
+                      rounded = std::max((bytes + shift + unit - 1) / unit * unit, huge);
+    if (maps) {
         memory = map_huge_pages(rounded);
         mapped = rounded;
-        madvise(memory, huge, MADV_HUGEPAGE);
+        if (huge > 0) madvise(memory, huge, MADV_HUGEPAGE);
+        if (huge < rounded)
+            madvise(static_cast<std::byte*>(memory) + huge, rounded - huge, MADV_NOHUGEPAGE);
     } else if (memory = std::aligned_alloc(line, rounded); memory == nullptr) {
         throw std::bad_alloc();
     }
@@ -133,6 +138,13 @@ void Column::keep(std::span<const Row> rows) {
     const std::size_t width = type_.value_size, before = size_;
     size_ = rows.size();
     if (type_.is_scratch) return spoil(bytes(), size_ * width);
+    const bool removes_few =
+        2 * size_ >= before && std::ranges::adjacent_find(rows, std::greater_equal()) == rows.end();
+    if (removes_few) { // then no other memory is needed
+        for (std::size_t row = 0; row < size_; ++row)
+            std::memmove(bytes() + row * width, bytes() + rows[row] * width, width);
+        return;
+    }
     Block moved(capacity_ * width, before * width); // as many rows are likely to follow
     for_chunks(size_, std::max<std::size_t>(bytes_per_chunk / width, 1),
                [&](std::size_t, std::size_t first, std::size_t last) {

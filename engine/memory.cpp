@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <malloc.h>
 #include <string>
 #include <string_view>
 #include <sys/resource.h>
@@ -31,6 +32,8 @@ std::uint64_t entry_of_status(std::string_view name) {
 }
 
 } // namespace
+
+void return_free_memory() { malloc_trim(0); }
 
 std::uint64_t memory_of_groups(const fs::path& root) {
     std::uint64_t least = std::numeric_limits<std::uint64_t>::max();

@@ -17,6 +17,10 @@ std::uint64_t memory_of_groups(const std::filesystem::path& root);
 /// Bytes of memory that this process has used at most; 0 if the system does not say.
 std::uint64_t largest_memory();
 
+/// Returns to the system what this process has used for something large and rare, such as a frame
+/// of all bodies. The allocator would keep most of it.
+void return_free_memory();
+
 /// Bytes of data that a process reserves without a scene, much of which it never touches: what its
 /// libraries had reserved when this was first called, and what they will.
 double bytes_of_process();

@@ -181,6 +181,7 @@ void Run::save_as(const std::string& name) const {
     for (const Kept& kept : kept_) kept.save(checkpoint.state);
     const StateOfWorld state = simulation_.state();
     write_checkpoint(checkpoint_file(name), checkpoint, &state);
+    return_free_memory();
     Ranks::meet();
 }
 

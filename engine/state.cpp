@@ -14,17 +14,12 @@ Archive save_state(const World& world) {
     std::size_t first = 0; // of the present table
     StateOfWorld(world).for_pieces([&](const StatePiece& piece) {
         if (piece.first_row == 0) {
-            first = arrays.size();
-            for (const StatePiece::Rows& rows : piece.arrays) {
-                arrays.push_back(rows.layout());
-                arrays.back().bytes.reserve(piece.rows_of_table * arrays.back().width());
-            }
+            if (piece.number == 0) first = arrays.size();
+            arrays.push_back(piece.layout());
+            arrays.back().bytes.reserve(piece.rows_of_table * arrays.back().width());
         }
-        for (std::size_t k = 0; k < piece.arrays.size(); ++k) {
-            const auto& bytes = piece.arrays[k].bytes;
-            arrays[first + k].bytes.insert(arrays[first + k].bytes.end(), bytes.begin(),
-                                           bytes.end());
-        }
+        auto& bytes = arrays[first + piece.number].bytes;
+        bytes.insert(bytes.end(), piece.bytes.begin(), piece.bytes.end());
     });
     Archive archive;
     for (Archive::Array& array : arrays) archive.put(std::move(array));

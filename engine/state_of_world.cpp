@@ -60,66 +60,29 @@ std::vector<Row> rows_to_save(const Table& table, const Column& key, std::vector
     return rows;
 }
 
-/// The State columns of a table, as arrays without rows.
-std::vector<Archive::Array> arrays_of(const Table& table, const Column& key) {
-    std::vector<Archive::Array> arrays;
-    for (const auto& column : table.columns())
-        if (const auto& type = column->type(); type.is_state)
-            arrays.push_back({path_in_state(table, *column),
-                              type.scalar,
-                              type.scalar_size,
-                              type.value_size / type.scalar_size,
-                              {},
-                              path_in_state(table, key)});
-    return arrays;
+/// A State column of a table, as an array without rows.
+Archive::Array array_of(const Table& table, const Column& column, const Column& key) {
+    const auto& type = column.type();
+    return {path_in_state(table, column),       type.scalar, type.scalar_size,
+            type.value_size / type.scalar_size, {},          path_in_state(table, key)};
 }
 
-/// Appends the values of rows to arrays, column by column.
-void append(const Table& table, std::span<const Row> rows, std::vector<Archive::Array>& arrays) {
-    auto array = arrays.begin();
-    for (const auto& column : table.columns()) {
-        const auto& type = column->type();
-        if (!type.is_state) continue;
-        std::vector<std::byte>& bytes = array++->bytes;
-        std::size_t at = bytes.size();
-        bytes.resize(at + rows.size() * type.value_size);
-        for (const Row row : rows) {
-            std::memcpy(bytes.data() + at, column->bytes() + row * type.value_size,
-                        type.value_size);
-            at += type.value_size;
-        }
-    }
+/// The values of rows of a column.
+std::vector<std::byte> values_of(const Column& column, std::span<const Row> rows) {
+    const std::size_t width = column.type().value_size;
+    std::vector<std::byte> bytes(rows.size() * width);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+        std::memcpy(bytes.data() + k * width, column.bytes() + rows[k] * width, width);
+    return bytes;
 }
 
-/// Brings the rows of all arrays into the order of the ids, of which no two ranks have the same.
-void sort_rows(std::vector<Archive::Array>& arrays) {
-    const auto& key = *std::ranges::find_if(
-        arrays, [](const Archive::Array& array) { return array.path == array.key; });
-    std::vector<std::uint32_t> id(key.rows());
-    for (std::size_t k = 0; k < id.size(); ++k)
-        std::memcpy(&id[k], key.bytes.data() + k * key.width(), sizeof id[k]);
-    if (std::ranges::is_sorted(id)) return;
-    std::vector<Row> order = all_rows(id.size());
-    std::ranges::stable_sort(order, {}, [&](Row k) { return id[k]; });
-    for (Archive::Array& array : arrays) {
-        std::vector<std::byte> sorted(array.bytes.size());
-        for (std::size_t k = 0; k < order.size(); ++k)
-            std::memcpy(sorted.data() + k * array.width(),
-                        array.bytes.data() + order[k] * array.width(), array.width());
-        array.bytes = std::move(sorted);
-    }
-}
-
-/// Gives the first rank the rows of all, in the order of the ids.
-void gather(std::vector<Archive::Array>& arrays) {
-    for (Archive::Array& array : arrays) Ranks::gather(array.bytes);
-    sort_rows(arrays);
-}
-
-std::vector<StatePiece::Rows> rows_of(const std::vector<Archive::Array>& arrays) {
-    std::vector<StatePiece::Rows> rows;
-    for (const Archive::Array& array : arrays) rows.push_back({&array, array.bytes});
-    return rows;
+/// Values of equal size in another order.
+std::vector<std::byte> in_order(std::span<const std::byte> values, std::span<const Row> order) {
+    const std::size_t width = order.empty() ? 0 : values.size() / order.size();
+    std::vector<std::byte> ordered(values.size());
+    for (std::size_t k = 0; k < order.size(); ++k)
+        std::memcpy(ordered.data() + k * width, values.data() + order[k] * width, width);
+    return ordered;
 }
 
 /// The rows that this rank gives of a table, in pieces.
@@ -129,23 +92,25 @@ public:
         : table_(table), key_(key), rows_(std::move(rows)), is_divided_(is_divided) {}
 
     void visit(const StateSource::Visit& visit) const {
-        const std::vector<Archive::Array> layout = arrays_of(table_, key_);
+        std::vector<const Column*> columns;
+        for (const auto& column : table_.columns())
+            if (column->type().is_state) columns.push_back(column.get());
         StatePiece piece;
+        piece.arrays = columns.size();
         piece.rows_of_table = number_of_rows();
         std::size_t next = 0;
-        // a table without rows has one piece, for its shape
-        for (auto ids = next_ids(next); ids || piece.arrays.empty(); ids = next_ids(next)) {
+        bool is_first = true; // arrays without rows have one piece, for their shape
+        for (auto ids = next_ids(next); ids || is_first; ids = next_ids(next)) {
+            is_first = false;
             std::size_t end = next;
             while (end < rows_.size() && ids_at(end) == *ids) ++end;
-            std::vector<Archive::Array> arrays = layout;
-            append(table_, std::span(rows_).subspan(next, end - next), arrays);
+            const auto rows = std::span(rows_).subspan(next, end - next);
             next = end;
-            if (is_divided_) gather(arrays);
             piece.ids = ids.value_or(0);
-            piece.arrays = rows_of(arrays);
-            if (!is_divided_ || Ranks::is_first()) visit(piece);
-            piece.first_row += arrays.front().rows();
-            if (is_divided_) wait_for_writer();
+            const std::vector<Row> order = order_of(rows);
+            for (piece.number = 0; piece.number < columns.size(); ++piece.number)
+                visit_column(*columns[piece.number], rows, order, piece, visit);
+            piece.first_row += order.size();
         }
     }
 
@@ -165,6 +130,28 @@ private:
         if (is_divided_) least = -Ranks::largest(-least);
         if (least == none) return {};
         return static_cast<std::uint32_t>(least);
+    }
+    /// The rows of the block that come to this rank, in the order of the ids, of which no two ranks
+    /// have the same: those of all on the first one, and none on the others.
+    std::vector<Row> order_of(std::span<const Row> rows) const {
+        std::vector<std::uint32_t> id;
+        for (const Row row : rows) id.push_back(first_number(key_, row));
+        if (is_divided_) Ranks::gather(id);
+        std::vector<Row> order = all_rows(id.size());
+        if (!std::ranges::is_sorted(id))
+            std::ranges::stable_sort(order, {}, [&](Row k) { return id[k]; });
+        return order;
+    }
+    void visit_column(const Column& column, std::span<const Row> rows, std::span<const Row> order,
+                      StatePiece& piece, const StateSource::Visit& visit) const {
+        const Archive::Array array = array_of(table_, column, key_);
+        std::vector<std::byte> bytes = values_of(column, rows);
+        if (is_divided_) Ranks::gather(bytes);
+        if (!std::ranges::is_sorted(order)) bytes = in_order(bytes, order);
+        piece.array = &array;
+        piece.bytes = bytes;
+        if (!is_divided_ || Ranks::is_first()) visit(piece);
+        if (is_divided_) wait_for_writer();
     }
     /// The first rank may have written what it got to a slow disk.
     static void wait_for_writer() {
@@ -195,7 +182,7 @@ void StateOfWorld::for_pieces(const Visit& visit) const {
     for (const auto& held : whole_.resources())
         (held->changes_in_whole_steps_only ? held.get() : part_.find_resource(held->type))
             ->save(resources);
-    bris::for_pieces(resources, [&](std::size_t, const StatePiece& piece) { visit(piece); });
+    bris::for_pieces(resources, visit);
 }
 
 } // namespace bris

@@ -3,11 +3,8 @@
 namespace bris {
 
 void StateHashes::add(const StatePiece& piece) {
-    if (piece.first_row == 0) {
-        first_array_ = arrays_.arrays().size();
-        for (const auto& rows : piece.arrays) arrays_.put(rows.layout());
-    }
-    blocks_.push_back({first_array_, piece.ids, hash_of(piece)});
+    if (piece.first_row == 0) arrays_.put(piece.layout());
+    hashes_.add(piece);
 }
 
 std::uint64_t fingerprint(const StateSource& state) {

@@ -12,7 +12,7 @@ class StateSource {
 public:
     using Visit = std::function<void(const StatePiece&)>;
     virtual ~StateSource() = default;
-    /// Calls visit, which may be empty, for all pieces, in the order of arrays and ids. Of a world
+    /// Calls visit, which may be empty, for all pieces, in the order of for_pieces. Of a world
     /// that is divided among ranks, all ranks must call this, and the pieces come to the first one.
     virtual void for_pieces(const Visit& visit) const = 0;
 };
@@ -22,13 +22,12 @@ class StateHashes {
 public:
     void add(const StatePiece& piece);
     const Archive& arrays() const { return arrays_; }
-    const std::vector<StateBlock>& blocks() const { return blocks_; }
-    std::uint64_t fingerprint() const { return bris::fingerprint(arrays_, blocks_); }
+    const std::vector<StateBlock>& blocks() const { return hashes_.blocks(); }
+    std::uint64_t fingerprint() const { return bris::fingerprint(arrays_, blocks()); }
 
 private:
     Archive arrays_;
-    std::vector<StateBlock> blocks_;
-    std::size_t first_array_ = 0; ///< of the present table
+    BlockHashes hashes_;
 };
 
 /// The fingerprint of State: on all ranks that of what comes to this one.

@@ -80,14 +80,12 @@ public:
     explicit StateWriter(Hdf5File& file) : file_(file) {}
 
     void write(const StatePiece& piece) {
-        for (const auto& [array, bytes] : piece.arrays) {
-            const std::string path = "/state/" + array->path;
-            dispatch(array->scalar, array->scalar_size, [&]<class T>(T) {
-                if (piece.first_row == 0)
-                    file_.make<T>(path, {piece.rows_of_table, array->columns});
-                file_.write_rows(path, piece.first_row, numbers_in<T>(bytes));
-            });
-        }
+        const Archive::Array& array = *piece.array;
+        const std::string path = "/state/" + array.path;
+        dispatch(array.scalar, array.scalar_size, [&]<class T>(T) {
+            if (piece.first_row == 0) file_.make<T>(path, {piece.rows_of_table, array.columns});
+            file_.write_rows(path, piece.first_row, numbers_in<T>(piece.bytes));
+        });
         hashes_.add(piece);
     }
     /// Writes what is known at the end. Returns where the bytes of the arrays are in the file.
@@ -124,8 +122,7 @@ std::vector<FileRange> write_content(const fs::path& path, const Checkpoint& che
     file.make_group("/settings");
     StateWriter writer(file);
     if (state != nullptr) state->for_pieces([&](const StatePiece& piece) { writer.write(piece); });
-    for_pieces(checkpoint.state,
-               [&](std::size_t, const StatePiece& piece) { writer.write(piece); });
+    for_pieces(checkpoint.state, [&](const StatePiece& piece) { writer.write(piece); });
     const auto ranges = writer.finish();
     std::string keys;
     for (const NamedValue& entry : checkpoint.settings) {

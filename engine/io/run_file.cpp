@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <stdexcept>
+#include <utility>
 
 namespace bris {
 
@@ -54,17 +55,21 @@ void RunFile::put_labels(const Labels& labels) {
     grid_.put({.name = labels.name, .fixed = true}, std::span<const std::int64_t>(values));
 }
 
-void RunFile::add_frame(const Frame& frame) {
-    if (frame.centres.size() != rocks_ || frame.corners.size() != 4 * quads_)
+void RunFile::begin_frame(std::span<const float> centres, std::span<const Vec3> corners) {
+    if (centres.size() != 3 * rocks_ || corners.size() != 4 * quads_)
         throw std::logic_error("the frame has other cells than begin_part declared");
+    if (std::exchange(has_begun_, true)) throw std::logic_error("a frame within a frame");
     std::vector<float> points;
     points.reserve(3 * grid_.points());
-    for (const auto list : {frame.centres, frame.corners})
-        for (const Vec3& x : list) append_vector(points, x);
+    points.assign(centres.begin(), centres.end());
+    for (const Vec3& x : corners) append_vector(points, x);
     grid_.put_points(points);
-    for (const Field& field : frame.fields) put_field(field, false);
+}
+
+void RunFile::end_frame(double time) {
+    if (!std::exchange(has_begun_, false)) throw std::logic_error("the end of no frame");
     write_tracks();
-    grid_.end_frame(frame.time);
+    grid_.end_frame(time);
 }
 
 void RunFile::add_track(const std::string& name, const std::vector<Column>& columns) {

@@ -30,12 +30,6 @@ public:
         std::string name;
         std::span<const std::int64_t> values = {};
     };
-    struct Frame {
-        double time = 0;                    ///< s, increasing from frame to frame
-        std::span<const Vec3> centres = {}; ///< m, n rocks
-        std::span<const Vec3> corners = {}; ///< m, 4 per quad, in cyclic order
-        std::vector<Field> fields = {};     ///< the same names in every frame
-    };
     struct Column {
         std::string name;
         std::string unit = "";
@@ -56,7 +50,13 @@ public:
     /// must be the same each time. Corner points have 0 in every field and -1 in every label.
     void begin_part(std::size_t rocks, std::size_t quads, const std::vector<Labels>& labels,
                     const std::vector<Field>& fields = {});
-    void add_frame(const Frame& frame);
+    /// Begins a frame. `centres`: x, y, z (m) of each rock; `corners`: m, 4 per quad, in cyclic
+    /// order.
+    void begin_frame(std::span<const float> centres, std::span<const Vec3> corners);
+    /// The same names in every frame.
+    void put_field(const Field& field) { put_field(field, false); }
+    /// `time`: s, increasing from frame to frame.
+    void end_frame(double time);
     std::size_t frames() const { return grid_.frames(); }
 
     /// Creates a table /tracks/NAME, one dataset per column with its unit as an attribute.
@@ -81,6 +81,7 @@ private:
     VtkhdfFile grid_;
     std::map<std::string, Track> tracks_;
     std::size_t rocks_ = 0, quads_ = 0;
+    bool has_begun_ = false; // a frame
 };
 
 } // namespace bris

@@ -116,8 +116,9 @@ std::vector<Row> grains_by_id(const World& world) {
     return grains;
 }
 
-/// The frame of the bodies that count on this rank.
-BodyFrame own_frame(const World& world) {
+} // namespace
+
+BodyFrame frame_of_bodies(const World& world) {
     const Table& bodies = world.table<Bodies>();
     const auto coordination = coordination_of(world);
     const Clock& clock = world.resource<Clock>();
@@ -150,39 +151,28 @@ BodyFrame own_frame(const World& world) {
     return frame;
 }
 
-/// Calls visit(values, numbers of each body) for what a frame has of each body.
-template <class Visit>
-void for_fields(BodyFrame& frame, Visit&& visit) {
-    visit(frame.ids, 1);
-    visit(frame.shapes, 1);
-    visit(frame.positions, 1);
-    visit(frame.radii, 1);
-    visit(frame.velocities, 3);
-    visit(frame.angular_velocities, 3);
-    visit(frame.orientations, 4);
-    visit(frame.coordination, 1);
+BodiesOfRanks::BodiesOfRanks(const World& world, std::vector<std::int64_t>& ids)
+    : is_divided_(OverRanks(world).is_divided()) {
+    if (!is_divided_) return;
+    Ranks::gather(ids);
+    order_ = all_rows(ids.size());
+    std::ranges::sort(order_, {}, [&](Row k) { return ids[k]; });
+    std::ranges::sort(ids);
 }
 
-/// Brings the bodies into the order of their ids.
-void sort_by_id(BodyFrame& frame) {
-    std::vector<Row> order = all_rows(frame.ids.size());
-    std::ranges::sort(order, {}, [&](Row k) { return frame.ids[k]; });
-    for_fields(frame, [&](auto& values, std::size_t each) {
-        const auto before = values;
-        for (std::size_t k = 0; k < values.size(); ++k)
-            values[k] = before[order[k / each] * each + k % each];
-    });
+template <class T>
+void BodiesOfRanks::gather(std::vector<T>& values, std::size_t each) const {
+    if (!is_divided_) return;
+    // the first rank may have written what it got before to a slow disk
+    (void)Ranks::writes();
+    Ranks::meet();
+    Ranks::gather(values);
+    const auto before = values;
+    for (std::size_t k = 0; k < values.size(); ++k)
+        values[k] = before[order_[k / each] * each + k % each];
 }
-
-} // namespace
-
-BodyFrame frame_of_bodies(const World& world) {
-    BodyFrame frame = own_frame(world);
-    if (!OverRanks(world).is_divided()) return frame;
-    for_fields(frame, [](auto& values, std::size_t) { Ranks::gather(values); });
-    sort_by_id(frame);
-    return frame;
-}
+template void BodiesOfRanks::gather(std::vector<std::int64_t>&, std::size_t) const;
+template void BodiesOfRanks::gather(std::vector<float>&, std::size_t) const;
 
 namespace {
 

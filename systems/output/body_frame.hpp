@@ -11,8 +11,8 @@
 
 namespace bris {
 
-/// State of all bodies with spheres and of all facets, as written to a run file. Bodies are in the
-/// order of their ids, regardless of their rows. n: number of bodies.
+/// State of the bodies with spheres that count on this rank, and of all facets, as written to a run
+/// file. Bodies are in the order of their ids, regardless of their rows. n: number of bodies.
 struct BodyFrame {
     double time = 0;                  ///< s
     std::vector<std::int64_t> ids;    ///< n
@@ -27,10 +27,24 @@ struct BodyFrame {
     std::size_t quads() const { return corners.size() / 4; }
 };
 
-/// Gathers a frame from the world after the last step. Reads only. Of a divided world
-/// (Simulation::observed) all ranks must call this, and the first one gets the bodies of all, the
-/// others none.
+/// The frame of the bodies that count on this rank after the last step: of all in a world that is
+/// not divided. Reads only.
 BodyFrame frame_of_bodies(const World& world);
+
+/// Brings what the ranks of a divided world (Simulation::observed) have of their bodies to the
+/// first one, in the order of the ids. All ranks must make it and call it for the same values.
+class BodiesOfRanks {
+public:
+    /// `ids`: of this rank's bodies; then of those of all on the first rank, and none elsewhere.
+    BodiesOfRanks(const World& world, std::vector<std::int64_t>& ids);
+    /// Does the same with `each` values of a body.
+    template <class T>
+    void gather(std::vector<T>& values, std::size_t each) const;
+
+private:
+    bool is_divided_;
+    std::vector<Row> order_; ///< of the bodies as they come
+};
 
 /// The bodies of a frame as a view to be drawn, sphere by sphere, at their present positions in the
 /// world. `colour` is called with the index of a body in the frame. Facets become outlines.

@@ -1,5 +1,11 @@
 #include "systems/output/frames.hpp"
 
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "engine/memory.hpp"
+
+#include <utility>
+
 namespace bris {
 
 namespace {
@@ -20,23 +26,46 @@ FrameWriter::FrameWriter(const std::filesystem::path& path, const std::vector<Na
     if (extras.contacts) contacts_.emplace(beside(path, "contacts"), meta);
 }
 
-void FrameWriter::add(const World& world, const BodyFrame& frame) {
-    if (frames() == 0 || frame.ids != ids_ || frame.radii != radii_ || frame.quads() != quads_) {
-        std::vector<RunFile::Labels> labels{{"id", frame.ids}};
-        if (!frame.shapes.empty()) labels.push_back({"shape", frame.shapes});
-        file_.begin_part(frame.ids.size(), frame.quads(), labels,
-                         {{"radius", 1, frame.radii, "m"}});
-        ids_ = frame.ids;
-        radii_ = frame.radii;
-        quads_ = frame.quads();
-    }
-    std::vector<RunFile::Field> fields{{"velocity", 3, frame.velocities, "m/s"},
-                                       {"angular_velocity", 3, frame.angular_velocities, "rad/s"},
-                                       {"coordination", 1, frame.coordination}};
-    if (!frame.orientations.empty()) fields.push_back({"orientation", 4, frame.orientations});
-    file_.add_frame({frame.time, frame.positions, frame.corners, fields});
+void FrameWriter::add(const World& world) {
+    add(world, frame_of_bodies(world));
+    return_free_memory();
+}
+
+void FrameWriter::add(const World& world, BodyFrame frame) {
     if (surfaces_) surfaces_->add(world, frame);
     if (contacts_) contacts_->add(world, frame);
+    const BodiesOfRanks ranks(world, frame.ids);
+    begin_part(ranks, frame);
+    // one field after the other, so that the first rank never has all of them
+    std::vector<float> centres;
+    for (const Vec3& x : std::exchange(frame.positions, {})) append_vector(centres, x);
+    ranks.gather(centres, 3);
+    file_.begin_frame(std::exchange(centres, {}), frame.corners);
+    const auto put = [&](const std::string& name, unsigned each, std::vector<float>& values,
+                         const std::string& unit = "") {
+        ranks.gather(values, each);
+        file_.put_field({name, each, std::exchange(values, {}), unit});
+    };
+    put("velocity", 3, frame.velocities, "m/s");
+    put("angular_velocity", 3, frame.angular_velocities, "rad/s");
+    put("coordination", 1, frame.coordination);
+    if (world.table<Bodies>().has<Orientation>()) put("orientation", 4, frame.orientations);
+    file_.end_frame(frame.time);
+}
+
+/// Begins a part unless the bodies and facets are those of the frame before.
+void FrameWriter::begin_part(const BodiesOfRanks& ranks, BodyFrame& frame) {
+    ranks.gather(frame.radii, 1);
+    ranks.gather(frame.shapes, 1);
+    const auto ids = std::move(frame.ids), shapes = std::move(frame.shapes);
+    const auto radii = std::move(frame.radii);
+    if (frames() > 0 && ids == ids_ && radii == radii_ && frame.quads() == quads_) return;
+    ids_ = ids;
+    radii_ = radii;
+    quads_ = frame.quads();
+    std::vector<RunFile::Labels> labels{{"id", ids}};
+    if (!shapes.empty()) labels.push_back({"shape", shapes});
+    file_.begin_part(ids.size(), quads_, labels, {{"radius", 1, radii, "m"}});
 }
 
 } // namespace bris

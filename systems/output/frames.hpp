@@ -21,20 +21,22 @@ struct Extras {
 };
 
 /// Writes frames of a world to NAME.vtkhdf: id, shape, radius, velocity, angular velocity,
-/// orientation and coordination number of every body; facets as quads. Throws OutputError.
+/// orientation and coordination number of every body; facets as quads. Of a divided world
+/// (Simulation::observed) all ranks must add each frame. Throws OutputError.
 class FrameWriter {
 public:
     FrameWriter(const std::filesystem::path& path, const std::vector<NamedValue>& meta,
                 const Extras& extras = {});
-    void add(const World& world) { add(world, frame_of_bodies(world)); }
-    /// A frame of the bodies of a world, whose poses may be others than those of the world;
-    /// contacts are those of the world.
-    void add(const World& world, const BodyFrame& frame);
+    void add(const World& world);
+    /// A frame of the bodies of a world (frame_of_bodies), whose poses may be others than those of
+    /// the world; contacts are those of the world.
+    void add(const World& world, BodyFrame frame);
     std::size_t frames() const { return file_.frames(); }
     /// The file, for tracks and other data of the run.
     RunFile& file() { return file_; }
 
 private:
+    void begin_part(const BodiesOfRanks& ranks, BodyFrame& frame);
     RunFile file_;
     std::optional<SurfaceFrames> surfaces_;
     std::optional<ContactFrames> contacts_;

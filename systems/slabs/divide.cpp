@@ -1,5 +1,6 @@
 #include "components/pair.hpp"
 #include "engine/health.hpp"
+#include "engine/memory.hpp"
 #include "engine/ordering.hpp"
 #include "engine/ranks.hpp"
 #include "systems/slabs/body_rows.hpp"
@@ -11,7 +12,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <malloc.h>
 #include <utility>
 
 namespace bris {
@@ -45,7 +45,7 @@ void release_bodies(World& whole) {
     for_each_kind_of_pair([&]<class Pairs>() {
         if (whole.has<Pairs>()) whole.resource<NearIndex<Pairs>>() = {};
     });
-    malloc_trim(0); // else the allocator keeps most of it for this process
+    return_free_memory();
 }
 
 /// Tables of boundaries and elements are the same on all ranks, and none of their rows move.

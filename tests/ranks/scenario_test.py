@@ -14,11 +14,11 @@ import sys
 import time
 
 settle, folder = sys.argv[1], pathlib.Path(sys.argv[2])
-options = ["--spheres", "1500", "--threads", "1", "--quiet"]
+options = ["--threads", "1", "--quiet"]
 
 
-def run(name, ranks, *more, duration="0.2", wait=True, environment=None):
-    command = [settle, *options, "--duration", duration, "--ranks", str(ranks), "--out", str(folder / name), *more]
+def run(name, ranks, *more, duration="0.2", wait=True, environment=None, spheres=1500):
+    command = [settle, "--spheres", str(spheres), *options, "--duration", duration, "--ranks", str(ranks), "--out", str(folder / name), *more]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                env={**os.environ, **(environment or {})})
     if not wait:
@@ -45,6 +45,12 @@ def ranks_of(launcher):
             rank = int(environment.split(b"OMPI_COMM_WORLD_RANK=")[1].split(b"\0")[0])
             found.append((rank, int(path.parent.name)))
     return [process for _, process in sorted(found)]
+
+
+def same_frames(prefix, file, ranks):
+    """Whether the frames of a run are the same on one and more ranks, but where they state the folder, on_1, and the number of ranks."""
+    here, there = [(folder / f"{prefix}on_{n}" / file).read_bytes() for n in (1, ranks)]
+    return len(here) == len(there) and {pair for pair in zip(here, there) if pair[0] != pair[1]} <= {(1, ranks), (ord("1"), ord(str(ranks)))}
 
 
 def stop_one(name, stop, ranks):
@@ -74,9 +80,7 @@ for ranks in (2, 3):
     assert fingerprint(f"on_{ranks}") == fingerprint("on_1"), f"other bits on {ranks} ranks"
     for file in ("settle.csv", "settle.ckpt.h5"):
         assert filecmp.cmp(folder / "on_1" / file, folder / f"on_{ranks}" / file, shallow=False), file
-    # frames differ where they state the folder, on_1, and the number of ranks
-    here, there = [(folder / f"on_{n}" / "settle.vtkhdf").read_bytes() for n in (1, ranks)]
-    assert len(here) == len(there) and {pair for pair in zip(here, there) if pair[0] != pair[1]} <= {(1, ranks), (ord("1"), ord(str(ranks)))}
+    assert same_frames("", "settle.vtkhdf", ranks)
 # only the first rank writes
 assert {path.name for path in (folder / "on_2").iterdir()} == {path.name for path in (folder / "on_1").iterdir()}
 
@@ -104,6 +108,8 @@ for name, words in others.items():
         assert fingerprint(out.name) == fingerprint(alone.name), f"{name}: other bits on {ranks} ranks"
         for file in files:
             assert filecmp.cmp(alone / file, out / file, shallow=False), f"{name}: {file} on {ranks} ranks"
+        if (alone / "long_track.vtkhdf").exists():
+            assert same_frames(f"{name.replace(' ', '_')}_", "long_track.vtkhdf", ranks), f"{name}: frames on {ranks} ranks"
     print(f"{name}: the same bits on 1, 2 and 3 ranks, also of {', '.join(files)}")
 
 # a track that is interrupted while its bay is made goes on from its folder
@@ -178,6 +184,12 @@ run("fast", 1, duration="0.02")
 took = time.time() - began
 print(f"with a file that takes 50 s: {took:.0f} s")
 assert took > 50 and fingerprint("slow") == fingerprint("fast")
+# also within a frame
+began = time.time()
+run("slow_frame", 2, duration="0.0001", environment={"LD_PRELOAD": str(preload), "BRIS_FIRST_LARGE_WRITE_SECONDS": "50"}, spheres=100000)
+took = time.time() - began
+print(f"with a field of a frame that takes 50 s: {took:.0f} s")
+assert took > 50 and (folder / "slow_frame" / "summary.json").exists()
 
 stop_one("killed", signal.SIGKILL, 2)
 stop_one("hanging", signal.SIGSTOP, 2)

@@ -39,8 +39,10 @@ TEST_SUITE("ranks/writes") {
         write_checkpoint(folder / "a.ckpt.h5", {"none", 1, {}, state});
         RunFile frames(folder / "a.vtkhdf");
         frames.begin_part(1, {}, {}, {});
-        const std::vector<Vec3> positions{Vec3(1, 2, 3)};
-        for (const double time : {0.0, 1.0}) frames.add_frame({time, positions, {}, {}});
+        for (const double time : {0.0, 1.0}) {
+            frames.begin_frame(std::vector<float>{1, 2, 3}, {});
+            frames.end_frame(time);
+        }
         frames.close();
         (void)draw_with_gnuplot(folder / "a.png", 100, 100, "plot x\n", "");
         std::vector<std::string> found;

@@ -26,17 +26,16 @@ void write_frames(RunFile& run, std::size_t rocks, std::size_t quads, double fro
                    {{.name = "radius", .components = 1, .values = radius}});
     for (int k = 0; k < count; ++k) {
         const double time = from + k;
-        std::vector<Vec3> centres, corners(4 * quads, Vec3(-time, 0, 0));
-        std::vector<float> velocity;
+        const std::vector<Vec3> corners(4 * quads, Vec3(-time, 0, 0));
+        std::vector<float> centres, velocity;
         for (std::size_t i = 0; i < rocks; ++i) {
-            centres.emplace_back(time, static_cast<double>(i), 0.5);
+            append_vector(centres, Vec3(time, static_cast<double>(i), 0.5));
             for (const float axis : {0.0f, 0.25f, 0.5f})
                 velocity.push_back(static_cast<float>(time) + axis);
         }
-        run.add_frame({.time = time,
-                       .centres = centres,
-                       .corners = corners,
-                       .fields = {{.name = "velocity", .components = 3, .values = velocity}}});
+        run.begin_frame(centres, corners);
+        run.put_field({.name = "velocity", .components = 3, .values = velocity});
+        run.end_frame(time);
     }
 }
 
@@ -198,16 +197,19 @@ TEST_SUITE("engine/io/run_file") {
     TEST_CASE("a frame that does not match the declared cells or fields is a programming error") {
         const TemporaryDirectory directory;
         RunFile run(directory / "run.vtkhdf");
-        const std::vector<Vec3> centres(3, Vec3::Zero());
-        const std::vector<float> values(3);
-        CHECK_THROWS_AS(run.add_frame({.centres = centres}), std::logic_error);
+        const std::vector<float> centres(9), values(3);
+        CHECK_THROWS_AS(run.begin_frame(centres, {}), std::logic_error);
         run.begin_part(3, 0, {});
-        run.add_frame({.centres = centres, .fields = {{"speed", 1, values}}});
-        CHECK_THROWS_AS(run.add_frame({.centres = centres}), std::logic_error);
-        CHECK_THROWS_AS(run.add_frame({.centres = {}, .fields = {{"speed", 1, values}}}),
-                        std::logic_error);
-        CHECK_THROWS_AS(run.add_frame({.centres = centres, .fields = {{"spin", 1, values}}}),
-                        std::logic_error);
+        run.begin_frame(centres, {});
+        run.put_field({"speed", 1, values});
+        run.end_frame(0);
+        CHECK_THROWS_AS(run.end_frame(1), std::logic_error);
+        run.begin_frame(centres, {});
+        CHECK_THROWS_AS(run.begin_frame(centres, {}), std::logic_error);
+        CHECK_THROWS_AS(run.end_frame(1), std::logic_error); // it has no speed
+        CHECK_THROWS_AS(run.begin_frame({}, {}), std::logic_error);
+        CHECK_THROWS_AS(run.put_field({"speed", 1, centres}), std::logic_error);
+        CHECK_THROWS_AS(run.put_field({"spin", 1, values}), std::logic_error);
     }
 
     TEST_CASE("a path that is not writable gives an OutputError") {

@@ -19,11 +19,11 @@ void write_frames(const std::filesystem::path& path, std::size_t bodies, int fro
     std::vector<float> radius(bodies, 1), velocity(3 * bodies, 2);
     run.begin_part(bodies, 1, {}, {{"radius", 1, radius, "m"}});
     for (int time = from; time < to; ++time) {
-        const std::vector<Vec3> centres(bodies, Vec3(time, 0, 0)), corners(4, Vec3(0, time, 0));
-        run.add_frame({.time = static_cast<double>(time),
-                       .centres = centres,
-                       .corners = corners,
-                       .fields = {{"velocity", 3, velocity, "m/s"}}});
+        std::vector<float> centres;
+        for (std::size_t k = 0; k < bodies; ++k) append_vector(centres, Vec3(time, 0, 0));
+        run.begin_frame(centres, std::vector<Vec3>(4, Vec3(0, time, 0)));
+        run.put_field({"velocity", 3, velocity, "m/s"});
+        run.end_frame(time);
     }
     run.close();
 }

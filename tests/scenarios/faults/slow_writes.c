@@ -1,6 +1,6 @@
 /* Preloaded by kill_campaign: every write of a file takes BRIS_WRITE_MICROSECONDS longer, fsync and rename ten times that, and the
    monotonic clock is BRIS_CLOCK times as fast, so that a run writes checkpoints often and spends much of its time in writing them. The
-   first fsync takes BRIS_FIRST_SYNC_SECONDS longer. */
+   first fsync takes BRIS_FIRST_SYNC_SECONDS longer, the first write of a megabyte or more BRIS_FIRST_LARGE_WRITE_SECONDS. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdio.h>
@@ -25,13 +25,23 @@ ssize_t write(int file, const void* data, size_t size) {
     return syscall(SYS_write, file, data, size);
 }
 
+static void delay_large(size_t size) {
+    static int waited = 0;
+    const struct timespec first = {number_of("BRIS_FIRST_LARGE_WRITE_SECONDS", 0), 0};
+    if (size < 1000000 || waited) return;
+    waited = 1;
+    nanosleep(&first, NULL);
+}
+
 ssize_t pwrite(int file, const void* data, size_t size, off_t at) {
     delay(1);
+    delay_large(size);
     return syscall(SYS_pwrite64, file, data, size, at);
 }
 
 ssize_t pwrite64(int file, const void* data, size_t size, off64_t at) {
     delay(1);
+    delay_large(size);
     return syscall(SYS_pwrite64, file, data, size, at);
 }
 
