@@ -55,19 +55,15 @@ void* map_huge_pages(std::size_t bytes) {
 Column::Block::Block(std::size_t bytes, std::size_t used) {
     // huge pages pay from about ten thousand spheres on: up to a third of the step time at 100 000,
     // depending on the processor (tests/performance/peers/switches). A page is huge if at least
-    // three quarters of it are used; the last part of a column is in ordinary pages, which go back
-    // to the system when the column does.
-    const std::size_t shift = bytes >= 16 * page ? next_shift() : 0, end = used + shift,
-                      huge = (end + huge_page / 4) / huge_page * huge_page;
-    const bool maps = end >= huge_page / 2;
-    const std::size_t unit = maps ? page : line,
-                      rounded = std::max((bytes + shift + unit - 1) / unit * unit, huge);
-    if (maps) {
+    // half of it is used; the last part of a column is then in ordinary pages.
+    const std::size_t shift = bytes >= 16 * page ? next_shift() : 0,
+                      huge = (used + shift + huge_page / 2) / huge_page * huge_page,
+                      unit = huge > 0 ? page : line;
+    const std::size_t rounded = std::max((bytes + shift + unit - 1) / unit * unit, huge);
+    if (huge > 0) {
         memory = map_huge_pages(rounded);
         mapped = rounded;
-        if (huge > 0) madvise(memory, huge, MADV_HUGEPAGE);
-        if (huge < rounded)
-            madvise(static_cast<std::byte*>(memory) + huge, rounded - huge, MADV_NOHUGEPAGE);
+        madvise(memory, huge, MADV_HUGEPAGE);
     } else if (memory = std::aligned_alloc(line, rounded); memory == nullptr) {
         throw std::bad_alloc();
     }
