@@ -2,6 +2,7 @@
 
 #include "engine/ordering.hpp"
 #include "engine/ranks.hpp"
+#include "engine/rows_of_ranks.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -76,15 +77,6 @@ std::vector<std::byte> values_of(const Column& column, std::span<const Row> rows
     return bytes;
 }
 
-/// Values of equal size in another order.
-std::vector<std::byte> in_order(std::span<const std::byte> values, std::span<const Row> order) {
-    const std::size_t width = order.empty() ? 0 : values.size() / order.size();
-    std::vector<std::byte> ordered(values.size());
-    for (std::size_t k = 0; k < order.size(); ++k)
-        std::memcpy(ordered.data() + k * width, values.data() + order[k] * width, width);
-    return ordered;
-}
-
 /// The rows that this rank gives of a table, in pieces.
 class PiecesOfTable {
 public:
@@ -107,10 +99,12 @@ public:
             const auto rows = std::span(rows_).subspan(next, end - next);
             next = end;
             piece.ids = ids.value_or(0);
-            const std::vector<Row> order = order_of(rows);
+            auto numbers = first_numbers(rows);
+            const RowsOfRanks of_ranks(numbers, is_divided_);
             for (piece.number = 0; piece.number < columns.size(); ++piece.number)
-                visit_column(*columns[piece.number], rows, order, piece, visit);
-            piece.first_row += order.size();
+                visit_column(*columns[piece.number], rows, of_ranks, piece, visit);
+            of_ranks.wait_for_writer();
+            piece.first_row += of_ranks.size();
         }
     }
 
@@ -131,32 +125,19 @@ private:
         if (least == none) return {};
         return static_cast<std::uint32_t>(least);
     }
-    /// The rows of the block that come to this rank, in the order of the ids, of which no two ranks
-    /// have the same: those of all on the first one, and none on the others.
-    std::vector<Row> order_of(std::span<const Row> rows) const {
-        std::vector<std::uint32_t> id;
-        for (const Row row : rows) id.push_back(first_number(key_, row));
-        if (is_divided_) Ranks::gather(id);
-        std::vector<Row> order = all_rows(id.size());
-        if (!std::ranges::is_sorted(id))
-            std::ranges::stable_sort(order, {}, [&](Row k) { return id[k]; });
-        return order;
+    std::vector<std::uint32_t> first_numbers(std::span<const Row> rows) const {
+        std::vector<std::uint32_t> numbers;
+        for (const Row row : rows) numbers.push_back(first_number(key_, row));
+        return numbers;
     }
-    void visit_column(const Column& column, std::span<const Row> rows, std::span<const Row> order,
+    void visit_column(const Column& column, std::span<const Row> rows, const RowsOfRanks& of_ranks,
                       StatePiece& piece, const StateSource::Visit& visit) const {
         const Archive::Array array = array_of(table_, column, key_);
         std::vector<std::byte> bytes = values_of(column, rows);
-        if (is_divided_) Ranks::gather(bytes);
-        if (!std::ranges::is_sorted(order)) bytes = in_order(bytes, order);
+        of_ranks.gather(bytes);
         piece.array = &array;
         piece.bytes = bytes;
         if (!is_divided_ || Ranks::is_first()) visit(piece);
-        if (is_divided_) wait_for_writer();
-    }
-    /// The first rank may have written what it got to a slow disk.
-    static void wait_for_writer() {
-        (void)Ranks::writes();
-        Ranks::meet();
     }
 
     const Table& table_;

@@ -151,29 +151,6 @@ BodyFrame frame_of_bodies(const World& world) {
     return frame;
 }
 
-BodiesOfRanks::BodiesOfRanks(const World& world, std::vector<std::int64_t>& ids)
-    : is_divided_(OverRanks(world).is_divided()) {
-    if (!is_divided_) return;
-    Ranks::gather(ids);
-    order_ = all_rows(ids.size());
-    std::ranges::sort(order_, {}, [&](Row k) { return ids[k]; });
-    std::ranges::sort(ids);
-}
-
-template <class T>
-void BodiesOfRanks::gather(std::vector<T>& values, std::size_t each) const {
-    if (!is_divided_) return;
-    // the first rank may have written what it got before to a slow disk
-    (void)Ranks::writes();
-    Ranks::meet();
-    Ranks::gather(values);
-    const auto before = values;
-    for (std::size_t k = 0; k < values.size(); ++k)
-        values[k] = before[order_[k / each] * each + k % each];
-}
-template void BodiesOfRanks::gather(std::vector<std::int64_t>&, std::size_t) const;
-template void BodiesOfRanks::gather(std::vector<float>&, std::size_t) const;
-
 namespace {
 
 /// The spheres of the bodies that have a colour, by row, and the outlines of quads.

@@ -31,21 +31,6 @@ struct BodyFrame {
 /// not divided. Reads only.
 BodyFrame frame_of_bodies(const World& world);
 
-/// Brings what the ranks of a divided world (Simulation::observed) have of their bodies to the
-/// first one, in the order of the ids. All ranks must make it and call it for the same values.
-class BodiesOfRanks {
-public:
-    /// `ids`: of this rank's bodies; then of those of all on the first rank, and none elsewhere.
-    BodiesOfRanks(const World& world, std::vector<std::int64_t>& ids);
-    /// Does the same with `each` values of a body.
-    template <class T>
-    void gather(std::vector<T>& values, std::size_t each) const;
-
-private:
-    bool is_divided_;
-    std::vector<Row> order_; ///< of the bodies as they come
-};
-
 /// The bodies of a frame as a view to be drawn, sphere by sphere, at their present positions in the
 /// world. `colour` is called with the index of a body in the frame. Facets become outlines.
 View view_of_bodies(const World& world, const BodyFrame& frame,

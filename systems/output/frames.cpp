@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/over_ranks.hpp"
 #include "engine/memory.hpp"
 
 #include <utility>
@@ -34,16 +35,16 @@ void FrameWriter::add(const World& world) {
 void FrameWriter::add(const World& world, BodyFrame frame) {
     if (surfaces_) surfaces_->add(world, frame);
     if (contacts_) contacts_->add(world, frame);
-    const BodiesOfRanks ranks(world, frame.ids);
+    const RowsOfRanks ranks(frame.ids, OverRanks(world).is_divided());
     begin_part(ranks, frame);
     // one field after the other, so that the first rank never has all of them
     std::vector<float> centres;
     for (const Vec3& x : std::exchange(frame.positions, {})) append_vector(centres, x);
-    ranks.gather(centres, 3);
+    ranks.gather(centres);
     file_.begin_frame(std::exchange(centres, {}), frame.corners);
     const auto put = [&](const std::string& name, unsigned each, std::vector<float>& values,
                          const std::string& unit = "") {
-        ranks.gather(values, each);
+        ranks.gather(values);
         file_.put_field({name, each, std::exchange(values, {}), unit});
     };
     put("velocity", 3, frame.velocities, "m/s");
@@ -54,9 +55,9 @@ void FrameWriter::add(const World& world, BodyFrame frame) {
 }
 
 /// Begins a part unless the bodies and facets are those of the frame before.
-void FrameWriter::begin_part(const BodiesOfRanks& ranks, BodyFrame& frame) {
-    ranks.gather(frame.radii, 1);
-    ranks.gather(frame.shapes, 1);
+void FrameWriter::begin_part(const RowsOfRanks& ranks, BodyFrame& frame) {
+    ranks.gather(frame.radii);
+    ranks.gather(frame.shapes);
     const auto ids = std::move(frame.ids), shapes = std::move(frame.shapes);
     const auto radii = std::move(frame.radii);
     if (frames() > 0 && ids == ids_ && radii == radii_ && frame.quads() == quads_) return;

@@ -2,6 +2,7 @@
 
 #include "engine/io/run_file.hpp"
 #include "engine/named_value.hpp"
+#include "engine/rows_of_ranks.hpp"
 #include "engine/world.hpp"
 #include "systems/output/body_frame.hpp"
 #include "systems/output/contact_frames.hpp"
@@ -36,7 +37,7 @@ public:
     RunFile& file() { return file_; }
 
 private:
-    void begin_part(const BodiesOfRanks& ranks, BodyFrame& frame);
+    void begin_part(const RowsOfRanks& ranks, BodyFrame& frame);
     RunFile file_;
     std::optional<SurfaceFrames> surfaces_;
     std::optional<ContactFrames> contacts_;

@@ -1,6 +1,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/vtkhdf_file.hpp"
 #include "engine/ranks.hpp"
+#include "engine/rows_of_ranks.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/small_scene.hpp"
@@ -60,14 +61,14 @@ bool is_frame_of(const World& part, const World& whole_world) {
     BodyFrame frame = frame_of_bodies(part);
     const BodyFrame whole = frame_of_bodies(whole_world);
     std::vector<float> centres = centres_of(frame);
-    const BodiesOfRanks ranks(part, frame.ids);
-    ranks.gather(centres, 3);
-    ranks.gather(frame.shapes, 1);
-    ranks.gather(frame.radii, 1);
-    ranks.gather(frame.velocities, 3);
-    ranks.gather(frame.angular_velocities, 3);
-    ranks.gather(frame.orientations, 4);
-    ranks.gather(frame.coordination, 1);
+    const RowsOfRanks ranks(frame.ids, true);
+    ranks.gather(centres);
+    ranks.gather(frame.shapes);
+    ranks.gather(frame.radii);
+    ranks.gather(frame.velocities);
+    ranks.gather(frame.angular_velocities);
+    ranks.gather(frame.orientations);
+    ranks.gather(frame.coordination);
     if (!Ranks::is_first()) return frame.ids.empty() && centres.empty() && frame.radii.empty();
     return frame.time == whole.time && frame.ids == whole.ids && frame.shapes == whole.shapes &&
            centres == centres_of(whole) && frame.radii == whole.radii &&
