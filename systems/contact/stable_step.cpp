@@ -13,6 +13,8 @@
 #include "systems/loads/table.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -240,23 +242,6 @@ private:
     ElementSprings springs_;
 };
 
-/// Adds the stiffness (or damping) of a contact to the matrix of its body for translation and
-/// rotation. The contact point moves by (1, -X) of them, where X = arm x, and its stiffness is
-/// shear 1 + (normal - shear) d d', where d is the direction of the normal.
-void add_block(Mat6& sum, const Touch& t, double normal, double shear, double rolling) {
-    const Vec3 &r = t.arm, d = (normal - shear) * t.direction, lever = r.cross(t.direction);
-    sum.topLeftCorner<3, 3>() += d * t.direction.transpose();
-    sum.topLeftCorner<3, 3>().diagonal().array() += shear;
-    Mat3 coupled = d * lever.transpose(); // less shear X
-    const Vec3 s = shear * r;
-    coupled(0, 1) += s.z(), coupled(0, 2) -= s.y(), coupled(1, 2) += s.x();
-    coupled(1, 0) -= s.z(), coupled(2, 0) += s.y(), coupled(2, 1) -= s.x();
-    sum.topRightCorner<3, 3>() += coupled;
-    sum.bottomRightCorner<3, 3>() +=
-        (normal - shear) * lever * lever.transpose() - s * r.transpose();
-    sum.bottomRightCorner<3, 3>().diagonal().array() += s.dot(r) + rolling;
-}
-
 /// Upper bound of the largest eigenvalue of a positive matrix, from the norm of its power
 /// 2^squarings: at most 0.02 % too large with 12 (6^(1/8192) = 1.0002), a quarter with 2.
 double largest_eigenvalue(Mat6 m, int squarings) {
@@ -274,19 +259,82 @@ double largest_eigenvalue(Mat6 m, int squarings) {
 /// Rounding, and what largest_eigenvalue may have more than another bound.
 constexpr double margin_of_bounds = 1e-3;
 
-/// Upper bound of the largest eigenvalue of a positive matrix, at most 3^(1/8) = 1.15 times it.
-double rough_eigenvalue(const Mat3& m) {
-    const Mat3 square = m * m;
-    return std::sqrt(std::sqrt((square * square).norm()));
+/// Symmetric matrix: xx, yy, zz, xy, xz, yz.
+using Symmetric = std::array<double, 6>;
+
+/// Upper bound of the largest eigenvalue, from the mean of all three and their scatter; exact where
+/// the other two are equal.
+double bound_of_eigenvalue(const Symmetric& m) {
+    const double mean = (m[0] + m[1] + m[2]) / 3, x = m[0] - mean, y = m[1] - mean, z = m[2] - mean;
+    const double scatter = x * x + y * y + z * z + 2 * (m[3] * m[3] + m[4] * m[4] + m[5] * m[5]);
+    return mean + std::sqrt(2.0 / 3 * scatter);
 }
 
-/// Upper bound of that of the matrix of a body over its inertia, from its blocks.
-double rough_eigenvalue(const Mat6& m, double mass, double least_inertia) {
-    const double along = rough_eigenvalue(m.topLeftCorner<3, 3>()) / mass,
-                 turning = rough_eigenvalue(m.bottomRightCorner<3, 3>()) / least_inertia,
-                 both = m.topRightCorner<3, 3>().norm() / std::sqrt(mass * least_inertia);
-    return 0.5 * (along + turning) + std::hypot(0.5 * (along - turning), both);
+Symmetric upper_part(const Mat3& m) {
+    return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)};
 }
+
+/// Stiffness (or damping) matrix of a body for translation and rotation: the sum of those of its
+/// contacts. A contact point moves by (1, -X) of them, where X = arm x, and its stiffness is
+/// shear 1 + (normal - shear) d d', where d is the direction of the normal.
+class BodyMatrix {
+public:
+    void add(const Touch& t, double normal, double shear, double rolling) {
+        const Vec3 &r = t.arm, d = (normal - shear) * t.direction, s = shear * r;
+        add_product(along_, d, t.direction, shear);
+        add_product(turning_, -s, r, s.dot(r) + rolling);
+        shear_at_ += s;
+        const Vec3 lever = r.cross(t.direction);
+        if (lever.squaredNorm() <= 1e-20 * r.squaredNorm()) return; // through the centre of mass
+        add_product(turning_, (normal - shear) * lever, lever, 0);
+        levered_ += d * lever.transpose();
+    }
+    /// Upper bound of the largest eigenvalue of M^-1/2 K M^-1/2, from those of its blocks: of a
+    /// sphere, whose normals pass through its centre, and of a clump, of which `root` is the square
+    /// root of the inverse moment of inertia.
+    double bound(double mass, double inertia) const {
+        return bound_of_blocks(bound_of_eigenvalue(along_) / mass,
+                               bound_of_eigenvalue(turning_) / inertia,
+                               shear_at_.squaredNorm() / (mass * inertia));
+    }
+    double bound(double mass, const Mat3& root) const {
+        const Mat3 both = coupled() * root;
+        return bound_of_blocks(bound_of_eigenvalue(along_) / mass,
+                               bound_of_eigenvalue(upper_part(root * turning() * root)),
+                               bound_of_eigenvalue(upper_part(both * both.transpose())) / mass);
+    }
+    Mat6 matrix() const {
+        Mat6 m;
+        m << full(along_), coupled(), coupled().transpose(), full(turning_);
+        return m;
+    }
+
+private:
+    /// Adds u v', which is symmetric, and a number to its diagonal.
+    static void add_product(Symmetric& sum, const Vec3& u, const Vec3& v, double to_diagonal) {
+        sum[0] += u.x() * v.x() + to_diagonal;
+        sum[1] += u.y() * v.y() + to_diagonal;
+        sum[2] += u.z() * v.z() + to_diagonal;
+        sum[3] += u.x() * v.y(), sum[4] += u.x() * v.z(), sum[5] += u.y() * v.z();
+    }
+    static Mat3 full(const Symmetric& s) {
+        return (Mat3() << s[0], s[3], s[4], s[3], s[1], s[5], s[4], s[5], s[2]).finished();
+    }
+    static double bound_of_blocks(double along, double turning, double both2) {
+        const double half = 0.5 * (along - turning);
+        return 0.5 * (along + turning) + std::sqrt(half * half + both2);
+    }
+    Mat3 turning() const { return full(turning_); }
+    /// Block of translation and rotation: less shear X, and what normals beside the centre add.
+    Mat3 coupled() const {
+        const Vec3& s = shear_at_;
+        return levered_ +
+               (Mat3() << 0, s.z(), -s.y(), -s.z(), 0, s.x(), s.y(), -s.x(), 0).finished();
+    }
+    Symmetric along_{}, turning_{};
+    Vec3 shear_at_ = Vec3::Zero(); ///< N
+    Mat3 levered_ = Mat3::Zero();  ///< N
+};
 
 /// Masses and moments of inertia of bodies, including mass scaling.
 class Inertias {
@@ -304,22 +352,26 @@ public:
     double least(Row b) const {
         return of_spheres_.empty() ? of_clumps_[b].minCoeff() : of_spheres_[b];
     }
+    /// Upper bound of the largest eigenvalue of M^-1 K.
+    double bound(const BodyMatrix& matrix, Row b) const {
+        return of_spheres_.empty() ? matrix.bound(mass_[b], turning_root(b))
+                                   : matrix.bound(mass_[b], of_spheres_[b]);
+    }
     /// Square root M^-1/2 of the inverse mass matrix. The eigenvalues of M^-1/2 K M^-1/2 are
     /// squares of angular frequencies.
     Mat6 inverse_root(Row b) const {
         Mat6 root = Mat6::Zero();
         root.topLeftCorner<3, 3>() = Mat3::Identity() / std::sqrt(mass_[b]);
-        if (!of_spheres_.empty()) {
-            root.bottomRightCorner<3, 3>() = Mat3::Identity() / std::sqrt(of_spheres_[b]);
-        } else {
-            const Mat3 axes = orientation_[b].toRotationMatrix();
-            root.bottomRightCorner<3, 3>() =
-                axes * of_clumps_[b].cwiseSqrt().cwiseInverse().asDiagonal() * axes.transpose();
-        }
+        root.bottomRightCorner<3, 3>() = turning_root(b);
         return root;
     }
 
 private:
+    Mat3 turning_root(Row b) const {
+        if (!of_spheres_.empty()) return Mat3::Identity() / std::sqrt(of_spheres_[b]);
+        const Mat3 axes = orientation_[b].toRotationMatrix();
+        return axes * of_clumps_[b].cwiseSqrt().cwiseInverse().asDiagonal() * axes.transpose();
+    }
     std::span<const double> mass_, of_spheres_; ///< inertia of single spheres, or of clumps
     std::span<const Vec3> of_clumps_;
     std::span<const Quat> orientation_;
@@ -336,30 +388,28 @@ double limit(double omega2, double rate) {
 /// The partner moves too: (x + y)^2 <= 2 x^2 + 2 y^2.
 double share_of(const Touch& t) { return t.between_free_bodies ? 2 : 1; }
 
-/// Lower bounds of the stable steps (s) of wanted bodies, infinite for others, without matrices:
-/// the largest eigenvalue of a sum of positive matrices is at most the sum of theirs.
+struct BodyMatrices {
+    BodyMatrix stiffness, damping;
+    void add(const Touch& t) {
+        const double share = share_of(t);
+        stiffness.add(t, share * t.normal, share * t.shear, share * t.rolling);
+        if (t.normal_damping != 0 || t.shear_damping != 0)
+            damping.add(t, share * t.normal_damping, share * t.shear_damping, 0);
+    }
+};
+
+/// Lower bounds of the stable steps (s) of wanted bodies, infinite for others.
 std::vector<double> bounds_of_steps(const AllTouches& touches, const Inertias& inertias,
                                     const std::vector<char>& wanted) {
-    struct Sum {
-        double stiffness = 0, damping = 0;
-    };
-    std::vector<Sum> sums(wanted.size());
+    std::vector<BodyMatrices> sums(wanted.size());
     touches.visit_all([&](Row b, const Touch& t) {
-        if (wanted[b] == 0) return;
-        const double light = 1 / inertias.mass(b), turns = 1 / inertias.least(b);
-        const double arm2 = t.arm.squaredNorm(), lever2 = t.arm.cross(t.direction).squaredNorm();
-        const double along = light + turns * lever2, across = light + turns * arm2;
-        // a normal through the centre pushes, and shear turns, in directions that are orthogonal
-        const bool are_orthogonal = lever2 <= 1e-20 * arm2;
-        const auto largest = [&](double normal, double shear) {
-            return are_orthogonal ? std::max(normal * along, shear * across)
-                                  : normal * along + shear * across;
-        };
-        sums[b].stiffness += share_of(t) * (largest(t.normal, t.shear) + turns * t.rolling);
-        sums[b].damping += share_of(t) * largest(t.normal_damping, t.shear_damping);
+        if (wanted[b] != 0) sums[b].add(t);
     });
-    std::vector<double> steps;
-    for (const Sum& s : sums) steps.push_back(limit(s.stiffness, s.damping));
+    std::vector<double> steps(wanted.size(), std::numeric_limits<double>::infinity());
+    for (Row b = 0; b < steps.size(); ++b)
+        if (wanted[b] != 0)
+            steps[b] =
+                limit(inertias.bound(sums[b].stiffness, b), inertias.bound(sums[b].damping, b));
     return steps;
 }
 
@@ -367,27 +417,15 @@ std::vector<double> bounds_of_steps(const AllTouches& touches, const Inertias& i
 /// calls visit(touch) for all that the body touches.
 template <class ForTouches>
 double step_of(ForTouches&& for_touches, const Inertias& inertias, Row b, double enough) {
-    Mat6 stiffness = Mat6::Zero(), damping = Mat6::Zero();
-    for_touches([&](const Touch& t) {
-        const double share = share_of(t);
-        add_block(stiffness, t, share * t.normal, share * t.shear, share * t.rolling);
-        if (t.normal_damping != 0 || t.shear_damping != 0)
-            add_block(damping, t, share * t.normal_damping, share * t.shear_damping, 0);
-    });
-    const auto is_enough = [&](double bound) { return (1 - margin_of_bounds) * bound >= enough; };
-    const double mass = inertias.mass(b), least = inertias.least(b),
-                 rough = limit(rough_eigenvalue(stiffness, mass, least),
-                               rough_eigenvalue(damping, mass, least));
-    if (is_enough(rough)) return rough;
-    for (Mat6* m : {&stiffness, &damping})
-        m->bottomLeftCorner<3, 3>() = m->topRightCorner<3, 3>().transpose();
+    BodyMatrices sums;
+    for_touches([&](const Touch& t) { sums.add(t); });
     const Mat6 root = inertias.inverse_root(b);
-    const Mat6 k = root * stiffness * root, c = root * damping * root;
+    const Mat6 k = root * sums.stiffness.matrix() * root, c = root * sums.damping.matrix() * root;
     const auto with = [&](int squarings) {
         return limit(largest_eigenvalue(k, squarings), largest_eigenvalue(c, squarings));
     };
-    const double better = with(2);
-    return is_enough(better) ? better : with(12);
+    const double rough = with(2);
+    return (1 - margin_of_bounds) * rough >= enough ? rough : with(12);
 }
 
 /// The same of the free bodies without spheres of a divided world, on the first rank; elsewhere
