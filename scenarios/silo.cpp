@@ -7,6 +7,7 @@
 // the wall form a polygon of the circle's area.
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/over_ranks.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "engine/estimation/linear_fit.hpp"
@@ -121,20 +122,26 @@ World make_world_of(const SiloTest& t, std::uint64_t seed) {
     return world;
 }
 
+/// Free spheres: of all ranks, if each has a part of the world.
 struct Counted {
-    double above = 0, below = 0;
-    std::vector<Row> gone;
+    std::size_t above = 0, below = 0, fallen = 0; ///< below the lip, and so far that they go
+    std::vector<Row> rows_of_fallen;              ///< in this part
 };
 
 Counted count(const World& world, double lip) {
     Counted c;
+    const OverRanks ranks(world);
     const auto motion = world.column<Bodies, MotionOf>();
     const auto x = world.column<Bodies, Position>();
     for (Row b = 0; b < motion.size(); ++b) {
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
+        const bool falls = x[b].z() < lip - retire_below;
+        if (falls) c.rows_of_fallen.push_back(b);
+        if (!ranks.counts(b)) continue;
         ++(x[b].z() > lip ? c.above : c.below);
-        if (x[b].z() < lip - retire_below) c.gone.push_back(b);
+        if (falls) ++c.fallen;
     }
+    ranks.add({&c.above, &c.below, &c.fallen});
     return c;
 }
 
@@ -150,26 +157,27 @@ using SiloCurve = SeriesOf<SiloSample>;
 
 BulkCase make_case(const SiloTest& t, std::uint64_t seed, SiloCurve& curve) {
     BulkCase c{.world = make_world_of(t, seed), .curve = curve};
-    const double lip = silo_of(t).lip, all = t.spheres;
+    const double lip = silo_of(t).lip;
+    const std::size_t all = t.spheres;
     constexpr EntityId plate = 1;
     c.begin = [=](World& world) { take_away(world, plate, Vec3(0, 0, -10)); };
     c.sample = [=, &curve](const World& world) {
         const Counted now = count(world, lip);
-        const auto& outflow = world.resource<Outflow>();
-        if (now.above + now.below + outflow.retired != all)
+        const auto retired = static_cast<std::size_t>(world.resource<Outflow>().retired);
+        if (now.above + now.below + retired != all)
             throw SimulationError(fmt::format(
                 "silo: expected {} spheres, found {} above the lip, {} below and {} retired", all,
-                now.above, now.below, outflow.retired));
+                now.above, now.below, retired));
         curve.add({.time = world.resource<Clock>().time(),
-                   .above = now.above,
-                   .out = now.below + outflow.retired,
-                   .in_scene = now.above + now.below});
+                   .above = static_cast<double>(now.above),
+                   .out = static_cast<double>(now.below + retired),
+                   .in_scene = static_cast<double>(now.above + now.below)});
     };
     c.edit = [=](World& world) {
-        const std::vector<Row> gone = count(world, lip).gone;
-        if (gone.empty()) return;
-        world.resource<Outflow>().retired += static_cast<double>(gone.size());
-        (void)retire_bodies(world, gone); // wall and plate come first and keep their ids
+        const Counted now = count(world, lip);
+        if (now.fallen == 0) return;
+        world.resource<Outflow>().retired += static_cast<double>(now.fallen);
+        (void)retire_bodies(world, now.rows_of_fallen); // wall and plate come first: ids 0 and 1
     };
     c.is_over = [=](const World& world) { return count(world, lip).above == 0; };
     c.description = [&curve] {

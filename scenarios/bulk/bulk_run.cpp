@@ -157,7 +157,7 @@ Phase BulkRun::case_phase() {
 void BulkRun::begin_case() {
     start_clock(simulation_.world(), settings_.bed.step);
     case_.begin(simulation_.world());
-    take_sample();
+    case_.sample(world());
     open_frames();
 }
 
@@ -171,27 +171,28 @@ void BulkRun::open_frames() {
 bool BulkRun::at_sample(std::uint64_t step) {
     const std::uint64_t per_frame =
         std::max<std::uint64_t>(1, total_ / sample_every_ / settings_.frames) * sample_every_;
-    if (case_.edit || settings_.written.extras().contacts)
+    if (settings_.written.extras().contacts)
         simulation_.look();
     else
         simulation_.observe();
     measure_contacts();
-    take_sample();
+    case_.sample(world());
     if (step % per_frame == 0 || step == total_) frames_->add(world());
     if (step == total_ / 2 / sample_every_ * sample_every_ || step == total_) keep_view();
-    return !(case_.is_over && case_.is_over(world()));
+    const bool is_over = case_.is_over && case_.is_over(world());
+    edit();
+    return !is_over;
 }
 
-// before the case can edit the scene, which makes the contacts of the last step invalid
 void BulkRun::measure_contacts() {
     extremes_.overlap = std::max(extremes_.overlap, last_.quantities().largest_overlap);
     extremes_.stable_step = std::min(extremes_.stable_step, last_.stable_step());
 }
 
-void BulkRun::take_sample() {
-    case_.sample(world());
+// last, since it makes the contacts of the last step invalid
+void BulkRun::edit() {
     if (!case_.edit) return;
-    case_.edit(simulation_.world());
+    case_.edit(simulation_.divide_now());
     simulation_.prepare(); // tables may have become shorter
 }
 

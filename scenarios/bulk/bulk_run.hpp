@@ -42,7 +42,7 @@ struct BulkCase {
     std::function<void(World&)> begin = {};
     /// Adds a sample to the curve, at every sample interval. Of a divided world all ranks do.
     std::function<void(const World&)> sample = {};
-    /// Edits the whole scene after each sample; empty: nothing does, and the world stays divided.
+    /// Edits the scene after each sample, of a divided world this rank's part; empty: nothing does.
     std::function<void(World&)> edit = {};
     /// Whether the run is over before its duration; called after each sample.
     std::function<bool(const World&)> is_over = {};
@@ -84,8 +84,8 @@ private:
     void begin_case();
     void open_frames();
     bool at_sample(std::uint64_t step);
-    void take_sample();
     void measure_contacts();
+    void edit();
     void keep_view();
 
     Common common_;

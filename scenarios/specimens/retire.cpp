@@ -6,12 +6,17 @@
 #include "components/membrane.hpp"
 #include "components/pair.hpp"
 #include "components/sensor.hpp"
+#include "components/slab.hpp"
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
-#include "engine/ordering.hpp"
+#include "engine/ranks.hpp"
 #include "systems/broadphase/lists.hpp"
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
 
 namespace bris {
 
@@ -26,62 +31,85 @@ void keep_rows(Table& table, Stays&& stays) {
     if (kept.size() < table.size()) table.keep(kept);
 }
 
-/// New ids from 0 without gaps, in the order of the old ones, for the ids that stay.
-template <class Stays>
-std::vector<EntityId> close_up(std::size_t ids, Stays&& stays) {
-    std::vector<EntityId> name(ids, nobody);
-    EntityId next = 0;
-    for (EntityId id = 0; id < ids; ++id)
-        if (stays(id)) name[id] = next++;
-    return name;
+/// What all ranks have found, if each has a part of the world.
+std::vector<EntityId> found_by_all(const World& world, const std::vector<EntityId>& here) {
+    if (!world.has_resource<Slab>()) return here;
+    const auto bytes = std::as_bytes(std::span(here));
+    std::vector<EntityId> all;
+    for (const Ranks::Bytes& some : Ranks::share({bytes.begin(), bytes.end()})) {
+        const std::size_t before = all.size();
+        all.resize(before + some.size() / sizeof(EntityId));
+        std::ranges::copy(some, std::as_writable_bytes(std::span(all).subspan(before)).begin());
+    }
+    return all;
 }
 
 template <class Pairs>
-void rename_pairs(World& world, const std::vector<EntityId>& name) {
+void rename_pairs(World& world, const ClosedIds& name) {
     if (!world.has<Pairs>()) return;
     Table& pairs = world.table<Pairs>();
-    const auto key = pairs.template column<PairKey>();
-    keep_rows(pairs, [&](Row r) {
-        return name[key[r].owner] != nobody && name[key[r].partner] != nobody;
-    });
     for (PairNames& k : pairs.template column<PairKey>()) {
-        k.owner = name[k.owner];
-        k.partner = name[k.partner];
+        k.owner = name(k.owner);
+        k.partner = name(k.partner);
     }
+    const auto key = pairs.template column<PairKey>();
+    keep_rows(pairs, [&](Row r) { return key[r].owner != nobody && key[r].partner != nobody; });
+}
+
+ClosedIds names_of_bodies(const World& world, const std::vector<Row>& gone) {
+    const auto id = world.column<Bodies, BodyId>();
+    std::vector<EntityId> ids;
+    for (const Row r : gone) {
+        require(world.column<Bodies, MotionOf>()[r] == static_cast<std::uint32_t>(Motion::free),
+                fmt::format("body {}: expected a free body to retire, found another kind of motion",
+                            id[r]));
+        ids.push_back(id[r]);
+    }
+    return ClosedIds(found_by_all(world, ids));
+}
+
+/// Those of bodies that are gone.
+ClosedIds names_of_spheres(const World& world, const ClosedIds& of_bodies) {
+    const auto id = world.column<Spheres, SphereId>();
+    const auto parent = world.column<Spheres, ParentId>();
+    std::vector<EntityId> ids;
+    for (Row s = 0; s < id.size(); ++s)
+        if (of_bodies(parent[s]) == nobody) ids.push_back(id[s]);
+    return ClosedIds(found_by_all(world, ids));
 }
 
 } // namespace
 
-std::vector<EntityId> retire_bodies(World& world, const std::vector<Row>& gone) {
-    Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
+ClosedIds::ClosedIds(std::vector<EntityId> gone) : gone_(std::move(gone)) {
+    std::ranges::sort(gone_);
+    gone_.erase(std::ranges::unique(gone_).begin(), gone_.end());
+}
+
+EntityId ClosedIds::operator()(EntityId id) const {
+    const auto at = std::ranges::lower_bound(gone_, id);
+    return at != gone_.end() && *at == id ? nobody : id - static_cast<EntityId>(at - gone_.begin());
+}
+
+ClosedIds retire_bodies(World& world, const std::vector<Row>& gone) {
     require(!world.has<Sensors>(),
             "retire bodies: expected a scene without sensors, found one with sensors");
-    std::vector<char> stays(bodies.size(), 1);
-    for (const Row r : gone) {
-        require(bodies.column<MotionOf>()[r] == static_cast<std::uint32_t>(Motion::free),
-                fmt::format("body {}: expected a free body to retire, found another kind of motion",
-                            bodies.column<BodyId>()[r]));
-        stays[r] = 0;
-    }
-    const auto row_of = rows_by_id(bodies.column<BodyId>());
-    const auto name = close_up(row_of.size(), [&](EntityId id) { return stays[row_of[id]] != 0; });
-
+    const ClosedIds name = names_of_bodies(world, gone),
+                    sphere_name = names_of_spheres(world, name);
+    const auto rename = [](std::span<EntityId> ids, const ClosedIds& names) {
+        for (EntityId& id : ids) id = names(id);
+    };
     for_each_kind_of_pair([&]<class Pairs>() { rename_pairs<Pairs>(world, name); });
-    const auto sphere_row = rows_by_id(spheres.column<SphereId>());
-    const auto parent = spheres.column<ParentId>();
-    const auto sphere_name = close_up(
-        sphere_row.size(), [&](EntityId id) { return name[parent[sphere_row[id]]] != nobody; });
-    for (EntityId& id : spheres.column<SphereId>()) id = sphere_name[id];
-    for (EntityId& id : spheres.column<ParentId>()) id = name[id];
+    Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
+    rename(spheres.column<SphereId>(), sphere_name);
+    rename(spheres.column<ParentId>(), name);
     keep_rows(spheres, [&](Row r) { return spheres.column<SphereId>()[r] != nobody; });
-    for (EntityId& id : bodies.column<BodyId>()) id = name[id];
+    rename(bodies.column<BodyId>(), name);
     keep_rows(bodies, [&](Row r) { return bodies.column<BodyId>()[r] != nobody; });
-    if (world.has<Planes>())
-        for (EntityId& id : world.column<Planes, HostId>()) id = name[id];
-    if (world.has<Facets>())
-        for (EntityId& id : world.column<Facets, HostId>()) id = name[id];
+    if (world.has<Planes>()) rename(world.column<Planes, HostId>(), name);
+    if (world.has<Facets>()) rename(world.column<Facets, HostId>(), name);
     if (world.has_resource<Membrane>())
-        world.resource<Membrane>().body = name[world.resource<Membrane>().body];
+        world.resource<Membrane>().body = name(world.resource<Membrane>().body);
+    if (world.has_resource<Slab>()) world.resource<Slab>().just_taken = false; // ghosts are new
     forget_lists(world);
     return name;
 }

@@ -2,8 +2,10 @@
 #include "engine/io/vtkhdf_file.hpp"
 #include "engine/ranks.hpp"
 #include "engine/rows_of_ranks.hpp"
+#include "engine/state.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
+#include "scenarios/specimens/retire.hpp"
 #include "scenarios/specimens/small_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
@@ -109,6 +111,37 @@ World loaded_rocks(EntityId& block) {
 } // namespace
 
 TEST_SUITE("ranks") {
+    TEST_CASE("bodies that are retired from parts leave behind what they leave in the whole") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+            CAPTURE(static_cast<int>(grains));
+            Simulation whole = heap(grains, Walls::planes), divided = heap(grains, Walls::planes);
+            whole.divide({});
+            const auto retire = [](World& world) {
+                std::vector<Row> gone; // on ranks also those of which others compute the motion
+                const auto id = world.column<Bodies, BodyId>();
+                const auto spheres = world.column<Bodies, SpheresOf>();
+                for (Row b = 0; b < id.size(); ++b)
+                    if (spheres[b].count > 0 && id[b] % 7 == 3) gone.push_back(b);
+                return retire_bodies(world, gone).removed();
+            };
+            for (int time = 0; time < 3; ++time) {
+                whole.advance(400);
+                divided.advance_unseen(400);
+                divided.observe();
+                CHECK(retire(divided.divide_now()) == retire(whole.world()));
+                whole.prepare();
+            }
+            whole.advance(400);
+            divided.advance_unseen(400);
+            divided.observe();
+            CHECK(divided.part() != nullptr);
+            CHECK(numbers_of(divided.observed()) == numbers_of(whole.world()));
+            divided.look();
+            CHECK(whole.world().table<Bodies>().size() < 75);
+            CHECK(fingerprint(divided.snapshot()) == fingerprint(whole.snapshot()));
+        }
+    }
+
     TEST_CASE("samples of parts have the bits of samples of the whole, and change none of the "
               "steps that follow") {
         for (const Grains grains : {Grains::spheres, Grains::clumps})
