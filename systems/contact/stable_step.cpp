@@ -53,8 +53,23 @@ Touch touch_of(const LawTraits& traits, const LawRow& law, const Elasticity& e, 
     return t;
 }
 
-/// The contacts of one kind: of all bodies in the order of the rows, or body by body in that of
-/// BodyContacts, so that the result is always bitwise the same.
+/// Parts of the rows of bodies, as near each other as rows are in space: what is kept of all bodies
+/// of one at a time takes little memory.
+class Windows {
+public:
+    explicit Windows(std::size_t rows)
+        : rows_(rows), width_(std::max<std::size_t>(4096, rows / 16)) {}
+    std::size_t count() const { return (rows_ + width_ - 1) / width_; }
+    std::size_t of(Row r) const { return r / width_; }
+    std::size_t begin(std::size_t window) const { return window * width_; }
+    std::size_t end(std::size_t window) const { return std::min(rows_, begin(window + 1)); }
+
+private:
+    std::size_t rows_, width_;
+};
+
+/// The contacts of one kind: window by window, or body by body in the order of BodyContacts, so
+/// that the result is always bitwise the same.
 template <class Pairs>
 class Touches {
 public:
@@ -75,17 +90,28 @@ public:
         const Table& near = world.table<typename Pairs::Near>();
         if (near.template has<PatchShare>()) share_ = near.template column<PatchShare>();
     }
-    /// Calls visit(row of a body, touch) for both bodies of all contacts.
-    template <class Visit>
-    void visit_all(Visit&& visit) const {
+    /// Sorts the contacts by the windows of rows in which their bodies lie.
+    void sort(const Windows& windows) {
         if (index_ == nullptr) return;
+        in_window_.resize(windows.count());
         index_->for_touching([&](Row k) {
+            const std::size_t of_owner = windows.of(body_[entry_[k].owner]),
+                              of_partner = windows.of(rows_[entry_[k].pair].partner_body);
+            in_window_[of_owner].push_back(k);
+            if (of_partner != of_owner) in_window_[of_partner].push_back(k);
+        });
+    }
+    /// Calls visit(row of a body, touch) for both bodies of the contacts of a window.
+    template <class Visit>
+    void visit_window(std::size_t window, Visit&& visit) const {
+        if (index_ == nullptr) return;
+        for (const Row k : in_window_[window]) {
             Touch t = touch(k);
             for (const Row b : {body_[entry_[k].owner], rows_[entry_[k].pair].partner_body}) {
                 t.arm = arm(b, k);
                 visit(b, t);
             }
-        });
+        }
     }
     /// Calls visit(row of the partner, row of the pair, touch of the partner) for all contacts.
     template <class Visit>
@@ -142,6 +168,7 @@ private:
 
     const LawTraits& law_;
     const NearIndex<Pairs>* index_ = nullptr; ///< null: the scene has no such pairs
+    std::vector<std::vector<Row>> in_window_; ///< near rows
     std::optional<BodyContacts<Pairs>> contacts_;
     std::span<const NearEntry> entry_;
     std::span<const ForceRow> force_;
@@ -171,13 +198,19 @@ class AllTouches {
 public:
     explicit AllTouches(const World& world)
         : spheres_(world), facets_(world), planes_(world), membrane_(world), springs_(world) {}
-    /// Calls visit(row, touch) for all that bodies touch, in the order of the rows.
+    void sort(const Windows& windows) {
+        spheres_.sort(windows);
+        facets_.sort(windows);
+        planes_.sort(windows);
+        membrane_.sort(windows);
+    }
+    /// Calls visit(row, touch) for what the bodies of a window touch, and others in those contacts.
     template <class Visit>
-    void visit_all(Visit&& visit) const {
-        spheres_.visit_all(visit);
-        facets_.visit_all(visit);
-        planes_.visit_all(visit);
-        membrane_.visit_all(visit);
+    void visit_window(std::size_t window, Visit&& visit) const {
+        spheres_.visit_window(window, visit);
+        facets_.visit_window(window, visit);
+        planes_.visit_window(window, visit);
+        membrane_.visit_window(window, visit);
         for (const BodySpring& s : springs_.all()) visit(s.body, touch_of_spring(s));
     }
     /// Calls visit(touch) for the springs of a body.
@@ -399,17 +432,25 @@ struct BodyMatrices {
 };
 
 /// Lower bounds of the stable steps (s) of wanted bodies, infinite for others.
-std::vector<double> bounds_of_steps(const AllTouches& touches, const Inertias& inertias,
+std::vector<double> bounds_of_steps(AllTouches& touches, const Inertias& inertias,
                                     const std::vector<char>& wanted) {
-    std::vector<BodyMatrices> sums(wanted.size());
-    touches.visit_all([&](Row b, const Touch& t) {
-        if (wanted[b] != 0) sums[b].add(t);
-    });
+    const Windows windows(wanted.size());
+    touches.sort(windows);
     std::vector<double> steps(wanted.size(), std::numeric_limits<double>::infinity());
-    for (Row b = 0; b < steps.size(); ++b)
-        if (wanted[b] != 0)
-            steps[b] =
-                limit(inertias.bound(sums[b].stiffness, b), inertias.bound(sums[b].damping, b));
+    std::vector<BodyMatrices> sums;
+    for (std::size_t w = 0; w < windows.count(); ++w) {
+        const std::size_t begin = windows.begin(w), end = windows.end(w);
+        sums.assign(end - begin, {});
+        touches.visit_window(w, [&](Row b, const Touch& t) {
+            if (b >= begin && b < end && wanted[b] != 0) sums[b - begin].add(t);
+        });
+        for (std::size_t b = begin; b < end; ++b) {
+            if (wanted[b] == 0) continue;
+            const auto& [stiffness, damping] = sums[b - begin];
+            const Row row = static_cast<Row>(b);
+            steps[b] = limit(inertias.bound(stiffness, row), inertias.bound(damping, row));
+        }
+    }
     return steps;
 }
 

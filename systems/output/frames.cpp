@@ -5,6 +5,10 @@
 #include "components/over_ranks.hpp"
 #include "engine/memory.hpp"
 
+#include <bit>
+#include <functional>
+#include <span>
+#include <string_view>
 #include <utility>
 
 namespace bris {
@@ -15,6 +19,13 @@ namespace {
 std::filesystem::path beside(const std::filesystem::path& run_file, const std::string& what) {
     const auto [name, part] = name_and_part(run_file);
     return run_file.parent_path() / (name + "_" + what + part + run_file.extension().string());
+}
+
+template <class T>
+std::size_t hash_of(const std::vector<T>& values) {
+    const std::span bytes = std::as_bytes(std::span(values));
+    return std::hash<std::string_view>{}(
+        {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 } // namespace
@@ -60,9 +71,10 @@ void FrameWriter::begin_part(const RowsOfRanks& ranks, BodyFrame& frame) {
     ranks.gather(frame.shapes);
     const auto ids = std::move(frame.ids), shapes = std::move(frame.shapes);
     const auto radii = std::move(frame.radii);
-    if (frames() > 0 && ids == ids_ && radii == radii_ && frame.quads() == quads_) return;
-    ids_ = ids;
-    radii_ = radii;
+    // a hash takes no memory, as a copy of all bodies would on the first rank
+    const std::size_t hash = hash_of(ids) ^ std::rotl(hash_of(radii), 1);
+    if (frames() > 0 && hash == hash_of_bodies_ && frame.quads() == quads_) return;
+    hash_of_bodies_ = hash;
     quads_ = frame.quads();
     std::vector<RunFile::Labels> labels{{"id", ids}};
     if (!shapes.empty()) labels.push_back({"shape", shapes});

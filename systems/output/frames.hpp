@@ -8,7 +8,7 @@
 #include "systems/output/contact_frames.hpp"
 #include "systems/output/surface_frames.hpp"
 
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -41,8 +41,7 @@ private:
     RunFile file_;
     std::optional<SurfaceFrames> surfaces_;
     std::optional<ContactFrames> contacts_;
-    std::vector<std::int64_t> ids_; // of the part begun last
-    std::vector<float> radii_;
+    std::size_t hash_of_bodies_ = 0; // of the part begun last: ids and radii
     std::size_t quads_ = 0;
 };
 
