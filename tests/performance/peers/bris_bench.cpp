@@ -48,6 +48,7 @@ struct Benchmark {
     bool loops = false;
     double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0;
     std::uint64_t check_steps = 200, steps = 1000;
+    unsigned samples = 0;
 
     void declare_options(auto& option) {
         option("scene", scene, "", "Scene, which determines stiffness, time step and gravity.",
@@ -100,6 +101,8 @@ struct Benchmark {
         option("loops", loops, "",
                "Print what a timed step would take if each thread had a processor, from the times "
                "of chunks on one of them.");
+        option("samples", samples, "",
+               "Number of samples, each after twenty more steps, of which the times are printed.");
         option("profile", profile, "", "Print the time of each system in the timed steps.");
     }
 };
@@ -141,6 +144,12 @@ struct OnThreads {
 };
 
 /// Results of the run of one scene.
+/// s, undisturbed: of a step, and what a sample adds to it, namely that the step is observed, its
+/// stable step, and the sums over bodies and contacts.
+struct SampleTimes {
+    double step = 0, observing = 0, stable_step = 0, quantities = 0;
+};
+
 struct Outcome {
     std::vector<Vec3> pressures;     ///< Pa, on the moving planes of a bed under pressure
     double check_wall = 0, wall = 0; ///< s, wall time of the check steps and of the timed steps
@@ -153,6 +162,7 @@ struct Outcome {
     std::uint64_t fingerprint = 0, rebuilds = 0, prunes = 0;
     std::size_t sleepers = 0;
     OnThreads on_threads;
+    SampleTimes sample;
     std::size_t bodies = 0;
     std::size_t near_chunks = 0;           ///< of the near rows of spheres
     std::size_t rows_of_others = 0;        ///< of ForceSums, in which other chunks push a body
@@ -253,6 +263,29 @@ OnThreads loops_of_steps(Simulation& simulation, std::uint64_t steps, unsigned t
     return found;
 }
 
+SampleTimes times_of_samples(Simulation& simulation, unsigned samples) {
+    std::vector<double> step, observed, stable, quantities;
+    const auto seconds_of = [](auto&& call) {
+        const auto began = this_instant();
+        call();
+        return seconds_since(began);
+    };
+    for (unsigned k = 0; k < samples; ++k) {
+        constexpr unsigned steps = 20;
+        step.push_back(seconds_of([&] { simulation.advance_unseen(steps); }) / steps);
+        observed.push_back(seconds_of([&] {
+            simulation.advance_unseen(1);
+            simulation.observe();
+        }));
+        const World& world = simulation.observed();
+        stable.push_back(seconds_of([&] { (void)stable_step(world); }));
+        quantities.push_back(seconds_of([&] { (void)compute_quantities(world); }));
+    }
+    const double plain = quantile(step, undisturbed_share);
+    return {plain, quantile(observed, undisturbed_share) - plain,
+            quantile(stable, undisturbed_share), quantile(quantities, undisturbed_share)};
+}
+
 Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Bed& bed,
                   unsigned threads) {
     const LawName law = peers::law_named(s.law);
@@ -308,6 +341,7 @@ Outcome run_world(const Benchmark& s, const peers::Scene& scene, const peers::Be
     o.sleepers = sleepers(world);
     o.seconds = simulation.seconds();
     for (const auto& [name, seconds] : seconds_before) o.seconds[name] -= seconds;
+    if (s.samples > 0) o.sample = times_of_samples(simulation, s.samples);
     if (s.loops) o.on_threads = loops_of_steps(simulation, s.steps, threads);
     return o;
 }
@@ -337,6 +371,10 @@ void report(const Benchmark& s, const peers::Bed& bed, const Outcome& o) {
                per_step(o.sent.reductions));
     fmt::print("sleepers={} stable_step_s={:.4g} contacts={} rebuilds={} prunes={}\n", o.sleepers,
                o.stable_step, q.contacts, o.rebuilds, o.prunes);
+    if (s.samples > 0)
+        fmt::print("sample_step_s={:.4g} observing_s={:.4g} stable_step_time_s={:.4g} "
+                   "quantities_s={:.4g}\n",
+                   o.sample.step, o.sample.observing, o.sample.stable_step, o.sample.quantities);
     if (s.loops)
         fmt::print("loops_per_step={:.4g} outside_s={:.5g} chunks_s={:.5g} longest_s={:.5g} "
                    "balance={:.4f} near_chunks={} rows_of_others={} bodies={}\n",
