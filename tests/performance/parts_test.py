@@ -12,6 +12,10 @@ import tempfile
 import time
 from pathlib import Path
 
+sys.dont_write_bytecode = True
+import seed_campaign
+from proportion import clopper_pearson
+
 HERE = Path(__file__).resolve().parent
 STAND_IN = '''#!/usr/bin/python3
 import hashlib, json, os, sys, time
@@ -187,6 +191,16 @@ def check_origin(programs, folder):
     print('one campaign at a table and in a folder; rows and results of other options or commits are not used')
 
 
+def check_intervals():
+    """Of few and of many runs, next to published quantiles of Student's t and a published exact interval of a proportion."""
+    for freedom, published in ((1, 12.706), (9, 2.262), (10, 2.228), (15, 2.131), (30, 2.042), (100, 1.984)):
+        assert abs(seed_campaign.student(freedom) - published) < 6e-4, freedom
+    assert abs(seed_campaign.half_width([0.0, 1.0] * 8) - 2.131 * (4 / 15) ** 0.5 / 4) < 1e-4
+    assert [round(x, 4) for x in clopper_pearson(4, 20)] == [0.0573, 0.4366]
+    print('intervals are those of published tables')
+
+
+check_intervals()
 with tempfile.TemporaryDirectory() as name:
     root = Path(name)
     programs = stand_ins(root / 'bin')
