@@ -28,6 +28,11 @@ def words_of(name, words):
     return [word for k, word in enumerate(texts) if '--resume' not in (word, texts[k - 1])]
 
 
+def is_begun_with(out, name, words):
+    """Whether the folder is that of a run of these words."""
+    return origin_file(out).exists() and json.loads(origin_file(out).read_text())['words'] == words_of(name, words)
+
+
 def resumed(args, words):
     """The folders of this campaign from which a run goes on."""
     for option, value in zip(words, words[1:]):
@@ -67,7 +72,7 @@ def once(args, name, words, out):
     if not (out / 'summary.json').exists():
         return scenario(args, name, words, out)
     require_commit(args, out)
-    if origin_file(out).exists() and json.loads(origin_file(out).read_text())['words'] != words_of(name, words):
+    if origin_file(out).exists() and not is_begun_with(out, name, words):
         raise SystemExit(f'{out}: expected results of {" ".join(words_of(name, words))}, found those of other words ({origin_file(out)}): remove the folder, or '
                          'choose another one with --work')
     return 0

@@ -143,13 +143,13 @@ struct OnThreads {
     double longest = 0; ///< s, of the loops one after another, until the last thread ends
 };
 
-/// Results of the run of one scene.
 /// s, undisturbed: of a step, and what a sample adds to it, namely that the step is observed, its
 /// stable step, and the sums over bodies and contacts.
 struct SampleTimes {
     double step = 0, observing = 0, stable_step = 0, quantities = 0;
 };
 
+/// Results of the run of one scene.
 struct Outcome {
     std::vector<Vec3> pressures;     ///< Pa, on the moving planes of a bed under pressure
     double check_wall = 0, wall = 0; ///< s, wall time of the check steps and of the timed steps
